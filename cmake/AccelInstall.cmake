@@ -1,0 +1,1 @@
+# Installation and the package config: find_package(libaccel) gives accel::accel.

@@ -1,0 +1,72 @@
+// A fixed-size array of plain values, aligned for SIMD loads and cache lines, that it owns or that it borrows from a mapped file.
+//
+// Copies share the storage (as std::shared_ptr does); the storage lives as long as the last copy. Elements of an owning buffer
+// are not initialised: builders fill them.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+
+#include "libaccel/core/hd.h"
+
+namespace accel {
+
+// The alignment of every buffer, in bytes: one cache line, and the size of a two-box node.
+inline constexpr std::size_t kBufferAlignment = 64;
+
+template <class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>, "buffers are written to files and copied to devices as bytes");
+
+ public:
+  Buffer() = default;
+
+  // `size` uninitialised elements.
+  explicit Buffer(std::size_t size) : size_(size) {
+    if (size == 0) return;
+    auto* memory = static_cast<T*>(::operator new(size * sizeof(T), std::align_val_t{kBufferAlignment}));
+    storage_ = std::shared_ptr<void>(memory, [](void* p) { ::operator delete(p, std::align_val_t{kBufferAlignment}); });
+    data_ = memory;
+  }
+
+  // Borrows `size` elements at `data`, which `keep_alive` owns (a mapped file, or the caller's container).
+  Buffer(T* data, std::size_t size, std::shared_ptr<void> keep_alive)
+      : data_(data), size_(size), storage_(std::move(keep_alive)) {}
+
+  // A copy of a range.
+  static Buffer copy_of(std::span<const T> values) {
+    Buffer result(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) result[i] = values[i];
+    return result;
+  }
+
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  std::size_t size_bytes() const { return size_ * sizeof(T); }
+  bool empty() const { return size_ == 0; }
+
+  T& operator[](std::size_t i) { return ACCEL_ASSERT(i < size_), data_[i]; }
+  const T& operator[](std::size_t i) const { return ACCEL_ASSERT(i < size_), data_[i]; }
+
+  T* begin() { return data_; }
+  T* end() { return data_ + size_; }
+  const T* begin() const { return data_; }
+  const T* end() const { return data_ + size_; }
+
+  std::span<const T> span() const { return {data_, size_}; }
+  std::span<T> span() { return {data_, size_}; }
+
+  // Gives up the elements from `size` on; the storage is kept.
+  void truncate(std::size_t size) { size_ = size < size_ ? size : size_; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+  std::shared_ptr<void> storage_;
+};
+
+}  // namespace accel

@@ -1,0 +1,16 @@
+// Function qualifiers that differ between host and device compilers, and the library's assertion.
+//
+// This header and the SIMD files (trace/box_pair.h, geometry/watertight_simd.h) are the only places with `#if`.
+#pragma once
+
+#include <cassert>
+
+// A function that runs on the host and, when a CUDA compiler reads it, on the device.
+#if defined(__CUDACC__)
+#define ACCEL_HD __host__ __device__ __forceinline__
+#else
+#define ACCEL_HD inline __attribute__((always_inline))
+#endif
+
+// Checks an invariant of the library itself in debug builds. Never used for input: input errors return a Result.
+#define ACCEL_ASSERT(condition) assert(condition)

@@ -1,0 +1,22 @@
+// Drives a traverser over one ray: the while-while loop of Aila and Laine 2009. The executors for CPUs and CUDA share it.
+#pragma once
+
+#include "libaccel/trace/traverser.h"
+
+namespace accel {
+
+template <class Traverser, class Observer>
+ACCEL_HD Hit trace_ray(const typename Traverser::View& view, const Ray& ray, Observer& observer) {
+  typename Traverser::State state;
+  Hit hit;
+  Phase phase = Traverser::begin(view, ray, state, hit, observer);
+  while (phase != Phase::done) {
+    while (phase == Phase::descend) phase = Traverser::descend(view, ray, state, hit, observer);
+    while (phase == Phase::intersect) phase = Traverser::intersect(view, ray, state, hit, observer);
+    while (phase == Phase::backtrack) phase = Traverser::backtrack(view, ray, state, hit, observer);
+  }
+  finish_hit(hit);
+  return hit;
+}
+
+}  // namespace accel

@@ -1,0 +1,53 @@
+// The watertight test (watertight.h) in SSE2, which every x86-64 machine has: the three vertices of a triangle in three lanes.
+//
+// The same operations in the same order as Watertight::intersect_scalar, hence the same bits.
+#pragma once
+
+#include "libaccel/core/hit.h"
+#include "libaccel/geometry/packed_triangle.h"
+
+#if defined(__SSE2__) && !defined(__CUDA_ARCH__)
+#define ACCEL_SSE 1
+#include <emmintrin.h>
+#else
+#define ACCEL_SSE 0
+#endif
+
+#if ACCEL_SSE
+namespace accel {
+
+template <class RayData>
+inline __attribute__((always_inline)) bool watertight_sse(const PackedTriangle& triangle, const RayData& ray, Hit& hit) {
+  // Lane 3 holds prim_id bits, which as a float may be denormal and slow to multiply: it is cleared.
+  const __m128 xyz_lanes = _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1));
+  const auto load = [&](int axis) { return _mm_and_ps(_mm_load_ps(triangle.axis[axis].vertex), xyz_lanes); };
+
+  const __m128 z = _mm_sub_ps(load(ray.kz), _mm_set1_ps(ray.org_z));
+  const __m128 x = _mm_sub_ps(_mm_sub_ps(load(ray.kx), _mm_set1_ps(ray.org_x)), _mm_mul_ps(_mm_set1_ps(ray.shear_x), z));
+  const __m128 y = _mm_sub_ps(_mm_sub_ps(load(ray.ky), _mm_set1_ps(ray.org_y)), _mm_mul_ps(_mm_set1_ps(ray.shear_y), z));
+
+  // Lane i of `next` is vertex i + 1, of `last` vertex i + 2 (mod 3); the edge function of lane i is opposite vertex i.
+  const auto next = [](__m128 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); };
+  const auto last = [](__m128 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(0, 1, 0, 2)); };
+  const __m128 uvw = _mm_sub_ps(_mm_mul_ps(last(x), next(y)), _mm_mul_ps(last(y), next(x)));
+
+  const __m128 zero = _mm_setzero_ps();
+  const int not_negative = _mm_movemask_ps(_mm_cmpge_ps(uvw, zero)) & 7;
+  const int not_positive = _mm_movemask_ps(_mm_cmple_ps(uvw, zero)) & 7;
+  if (not_negative != 7 && not_positive != 7) return false;
+
+  const __m128 v = _mm_shuffle_ps(uvw, uvw, _MM_SHUFFLE(1, 1, 1, 1)), w = _mm_movehl_ps(uvw, uvw);
+  const float det = _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(uvw, v), w));
+  if (!(det != 0)) return false;
+
+  const __m128 b = _mm_div_ps(uvw, _mm_set1_ps(det));
+  const __m128 bz = _mm_mul_ps(b, z);
+  const __m128 bz1 = _mm_shuffle_ps(bz, bz, _MM_SHUFFLE(1, 1, 1, 1)), bz2 = _mm_movehl_ps(bz, bz);
+  hit.t = _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(bz, bz1), bz2)) / ray.dir_z;
+  hit.u = _mm_cvtss_f32(_mm_shuffle_ps(b, b, _MM_SHUFFLE(1, 1, 1, 1)));
+  hit.v = _mm_cvtss_f32(_mm_movehl_ps(b, b));
+  return true;
+}
+
+}  // namespace accel
+#endif

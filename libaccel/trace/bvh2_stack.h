@@ -1,0 +1,82 @@
+// Ordered traversal of a Bvh2 with a stack: Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs", section 3.
+//
+// Both children's boxes are tested at their parent; the nearer child comes next, the farther one is postponed on the stack together
+// with its entry distance, so that it can be dropped unread when a nearer hit has been found meanwhile.
+#pragma once
+
+#include "libaccel/trace/box_pair.h"
+#include "libaccel/trace/leaf.h"
+
+namespace accel {
+
+template <class Test, Query kQuery>
+struct Bvh2Stack {
+  static constexpr const char* kName = "stack";
+  using View = Bvh2View;
+
+  // One postponed child for each inner node on the path.
+  static constexpr std::uint32_t kMaxDepth = kBvh2StackSize;
+
+  struct Postponed {
+    NodeRef node;
+    float t_near;
+  };
+  struct State {
+    RaySlabs slabs;
+    typename Test::RayData test;
+    NodeRef node;        // while descending
+    std::uint32_t quad;  // in a leaf
+    int postponed;       // entries on the stack
+    Postponed stack[kBvh2StackSize];
+  };
+
+  template <class Observer>
+  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer&) {
+    begin_hit(ray, hit);
+    if (view.root == kNoNode || !is_traceable(ray)) return Phase::done;
+    state.slabs = RaySlabs::of(ray, first_t(ray));
+    state.test = Test::prepare(ray);
+    state.postponed = 0;
+    return enter(state, view.root);
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
+    const Bvh2Node& node = view.nodes[state.node];
+    observer.load(Memory::node, &node, sizeof node);
+    observer.box_tests(2);
+    const BoxPairHit boxes = intersect_boxes(node, state.slabs, hit.t);
+    if (boxes.hit[0] && boxes.hit[1]) {
+      const int second = boxes.t_near[1] < boxes.t_near[0] ? 0 : 1;
+      Postponed& entry = state.stack[state.postponed++];
+      entry = {node.child[second], boxes.t_near[second]};
+      observer.store(Memory::stack, &entry, sizeof entry);
+      return enter(state, node.child[1 - second]);
+    }
+    if (boxes.hit[0]) return enter(state, node.child[0]);
+    if (boxes.hit[1]) return enter(state, node.child[1]);
+    return Phase::backtrack;
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
+    return intersect_next<Test, kQuery>(view.leaves, ray, s.test, s.slabs.t_min, s.quad, hit, Phase::backtrack, observer);
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase backtrack(const View&, const Ray&, State& state, Hit& hit, Observer& observer) {
+    if (state.postponed == 0) return Phase::done;
+    const Postponed& entry = state.stack[--state.postponed];
+    observer.load(Memory::stack, &entry, sizeof entry);
+    return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node) : Phase::backtrack;
+  }
+
+ private:
+  ACCEL_HD static Phase enter(State& state, NodeRef node) {
+    state.node = node;
+    state.quad = leaf_quad(node);
+    return is_leaf(node) ? Phase::intersect : Phase::descend;
+  }
+};
+
+}  // namespace accel

@@ -1,0 +1,70 @@
+// What a traverser is, and what an implementer supplies.
+//
+// A traverser is a small state machine over one ray: a class template
+//
+//   template <class Test, Query kQuery> struct MyTraverser {
+//     using View = ...;     // the non-owning view of its structure, passed by value
+//     struct State {...};   // trivially copyable, of constant size: copying it pauses the traversal
+//     static Status check(const View&, ...)                                   // see check_depth in bvh2_stack.h; optional
+//     template <class Observer> ACCEL_HD static Phase begin    (const View&, const Ray&, State&, Hit&, Observer&);
+//     template <class Observer> ACCEL_HD static Phase descend  (const View&, const Ray&, State&, Hit&, Observer&);
+//     template <class Observer> ACCEL_HD static Phase intersect(const View&, const Ray&, State&, Hit&, Observer&);
+//     template <class Observer> ACCEL_HD static Phase backtrack(const View&, const Ray&, State&, Hit&, Observer&);
+//   };
+//
+// Each function does one step and returns the phase that comes next: descend, one inner node; intersect, one primitive of a leaf;
+// backtrack, one step towards the next postponed node. begin() prepares the state and the hit. Test is a triangle test of
+// geometry/, kQuery says whether the first hit will do. Who drives the machine, and in which order over many rays, is none of its
+// business: see exec/.
+//
+// During traversal hit.t is the end of the interval that is still of interest; begin_hit() and accept_hit() keep the rules that all
+// traversers share, so that all of them name the same triangle. finish_hit() turns the state into an answer.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "libaccel/core/hit.h"
+#include "libaccel/core/ray.h"
+
+namespace accel {
+
+enum class Phase : std::uint8_t { descend, intersect, backtrack, done };
+
+// What a load or store of a traverser touches. The SIMT model reports bytes by these classes.
+enum class Memory : std::uint8_t { node, triangle, stack, hash, ray };
+inline constexpr int kMemoryClasses = 5;
+
+// Sees what a traverser does. This one sees nothing and compiles to nothing.
+struct NullObserver {
+  ACCEL_HD void load(Memory, const void*, std::uint32_t) {}
+  ACCEL_HD void store(Memory, const void*, std::uint32_t) {}
+  ACCEL_HD void box_tests(std::uint32_t) {}
+  ACCEL_HD void triangle_test() {}
+};
+
+// Starts a query: the interval is the ray's, clipped to [0, largest float].
+ACCEL_HD void begin_hit(const Ray& ray, Hit& hit) {
+  hit.t = min_of(ray.t_max, std::numeric_limits<float>::max());
+  hit.u = hit.v = 0.0f;
+  hit.prim_id = kNoHit;
+}
+
+// The start of the ray's interval: rays do not reach behind their origin.
+ACCEL_HD float first_t(const Ray& ray) { return max_of(ray.t_min, 0.0f); }
+
+// Takes a candidate when it lies in the interval that is left (both ends belong to it) and is nearer than the hit so far, or as
+// near with a lower prim_id. A candidate whose t is NaN or infinite is refused.
+ACCEL_HD bool accept_hit(const Hit& candidate, float t_min, Hit& hit) {
+  if (!(candidate.t >= t_min)) return false;
+  if (!(candidate.t < hit.t || (candidate.t == hit.t && candidate.prim_id < hit.prim_id))) return false;
+  hit = candidate;
+  return true;
+}
+
+// Ends a query: a miss gets the values that Hit documents.
+ACCEL_HD void finish_hit(Hit& hit) {
+  if (!hit.valid()) hit = Hit{};
+}
+
+}  // namespace accel
