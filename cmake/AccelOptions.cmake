@@ -49,7 +49,7 @@ find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 
 accel_optional(EMBREE "embree 3;embree 4" embree "Embree, the witness of hits and the speed to beat")
-accel_optional(OIIO "OpenImageIO" OpenImageIO::OpenImageIO "OpenImageIO, for pictures")
+accel_optional(OIIO "OIIO" OIIO::OIIO "OpenImageIO, for pictures")
 
 # CUDA is a language, not a package.
 set(ACCEL_WITH_CUDA AUTO CACHE STRING "CUDA kernels of every method (AUTO, ON or OFF)")

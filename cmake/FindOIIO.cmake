@@ -1,0 +1,13 @@
+# OpenImageIO by its header and libraries. Debian 12's own CMake config fails unless tools that are not needed are installed too.
+find_path(OIIO_INCLUDE OpenImageIO/imageio.h)
+find_path(OIIO_IMATH_INCLUDE half.h PATH_SUFFIXES Imath)
+find_library(OIIO_LIBRARY OpenImageIO)
+find_library(OIIO_UTIL_LIBRARY OpenImageIO_Util)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(OIIO REQUIRED_VARS OIIO_LIBRARY OIIO_UTIL_LIBRARY OIIO_INCLUDE OIIO_IMATH_INCLUDE)
+if(OIIO_FOUND AND NOT TARGET OIIO::OIIO)
+  add_library(OIIO::OIIO INTERFACE IMPORTED GLOBAL)
+  target_include_directories(OIIO::OIIO SYSTEM INTERFACE "${OIIO_INCLUDE}" "${OIIO_IMATH_INCLUDE}")
+  target_link_libraries(OIIO::OIIO INTERFACE "${OIIO_LIBRARY}" "${OIIO_UTIL_LIBRARY}")
+endif()
+mark_as_advanced(OIIO_INCLUDE OIIO_IMATH_INCLUDE OIIO_LIBRARY OIIO_UTIL_LIBRARY)
