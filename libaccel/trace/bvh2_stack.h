@@ -66,6 +66,7 @@ struct Bvh2Stack {
   template <class Observer>
   ACCEL_HD static Phase backtrack(const View&, const Ray&, State& state, Hit& hit, Observer& observer) {
     if (state.postponed == 0) return Phase::done;
+    observer.backtrack();
     const Postponed& entry = state.stack[--state.postponed];
     observer.load(Memory::stack, &entry, sizeof entry);
     return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node) : Phase::backtrack;

@@ -5,7 +5,7 @@
 //   template <class Test, Query kQuery> struct MyTraverser {
 //     using View = ...;     // the non-owning view of its structure, passed by value
 //     struct State {...};   // trivially copyable, of constant size: copying it pauses the traversal
-//     static Status check(const View&, ...)                                   // see check_depth in bvh2_stack.h; optional
+//     static constexpr std::uint32_t kMaxDepth = ...;  // optional: the deepest tree that the state has room for
 //     template <class Observer> ACCEL_HD static Phase begin    (const View&, const Ray&, State&, Hit&, Observer&);
 //     template <class Observer> ACCEL_HD static Phase descend  (const View&, const Ray&, State&, Hit&, Observer&);
 //     template <class Observer> ACCEL_HD static Phase intersect(const View&, const Ray&, State&, Hit&, Observer&);
@@ -41,6 +41,7 @@ struct NullObserver {
   ACCEL_HD void store(Memory, const void*, std::uint32_t) {}
   ACCEL_HD void box_tests(std::uint32_t) {}
   ACCEL_HD void triangle_test() {}
+  ACCEL_HD void backtrack() {}
 };
 
 // Starts a query: the interval is the ray's, clipped to [0, largest float].

@@ -1,0 +1,34 @@
+// A list of types to iterate over, where an array of values would not do.
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+namespace accel {
+
+template <class T>
+struct TypeTag {
+  using type = T;
+};
+
+template <class... Ts>
+struct TypeList {
+  static constexpr std::size_t size = sizeof...(Ts);
+
+  // Calls visit(TypeTag<T>{}) for each type, in order.
+  template <class Visitor>
+  static constexpr void for_each(Visitor&& visit) {
+    (visit(TypeTag<Ts>{}), ...);
+  }
+
+  // The list with T behind it, unless T is in it.
+  template <class T>
+  using AppendUnique = std::conditional_t<(std::is_same_v<T, Ts> || ...), TypeList, TypeList<Ts..., T>>;
+
+  // Template<Ts...>
+  template <template <class...> class Template>
+  using Apply = Template<Ts...>;
+};
+
+}  // namespace accel

@@ -1,0 +1,78 @@
+// Runs a traverser over a batch of rays on the CPU: one task a block of rays, oneTBB between them.
+//
+// With one thread, oneTBB is not involved: that is the honest single-threaded measurement. Results do not depend on the number of
+// threads or on the block size.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/combinable.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cstdint>
+#include <span>
+
+#include "libaccel/exec/counters.h"
+#include "libaccel/exec/drive.h"
+
+namespace accel {
+
+// Rays in one task: long enough to hide the cost of a task, short enough to balance a batch of some ten thousand rays.
+inline constexpr std::size_t kRaysPerTask = 1024;
+
+// Calls body(begin, end) for blocks of [0, count), on `threads` threads (0: all of the machine).
+template <class Body>
+void for_each_block(std::size_t count, int threads, const Body& body) {
+  if (threads == 1 || count <= kRaysPerTask) {
+    if (count > 0) body(std::size_t{0}, count);
+    return;
+  }
+  const auto run = [&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kRaysPerTask),
+                      [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); });
+  };
+  if (threads == 0) return run();
+  tbb::task_arena arena(threads);
+  arena.execute(run);
+}
+
+// hits[i] is what rays[i] meets first. Both spans have the same size.
+template <class Traverser>
+void trace_closest(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
+  ACCEL_ASSERT(rays.size() == hits.size());
+  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+    NullObserver observer;
+    for (std::size_t i = begin; i < end; ++i) hits[i] = trace_ray<Traverser>(view, rays[i], observer);
+  });
+}
+
+// occluded[i] is 1 where rays[i] meets anything, else 0.
+template <class Traverser>
+void trace_any(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
+  ACCEL_ASSERT(rays.size() == occluded.size());
+  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+    NullObserver observer;
+    for (std::size_t i = begin; i < end; ++i) occluded[i] = trace_ray<Traverser>(view, rays[i], observer).valid() ? 1 : 0;
+  });
+}
+
+// Traces and counts. steps[i], when asked for (else empty), is the number of nodes visited and triangles tested by rays[i].
+template <class Traverser>
+Counters count_rays(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint32_t> steps, int threads) {
+  tbb::combinable<Counters> sums;
+  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+    Counters& sum = sums.local();
+    for (std::size_t i = begin; i < end; ++i) {
+      CountingObserver observer;
+      trace_ray<Traverser>(view, rays[i], observer);
+      observer.counters.rays = 1;
+      sum += observer.counters;
+      if (!steps.empty()) steps[i] = static_cast<std::uint32_t>(observer.counters.node_steps + observer.counters.triangle_tests);
+    }
+  });
+  Counters total;
+  sums.combine_each([&](const Counters& c) { total += c; });
+  return total;
+}
+
+}  // namespace accel

@@ -1,0 +1,84 @@
+// AnyAccel: a structure and the method that traces it, with their types erased. What programs use.
+//
+// Batches cost one indirect call; single rays cost one each. Handles share their structure: copying one is cheap. All const
+// functions may be called from several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "libaccel/build/builder.h"
+#include "libaccel/core/hit.h"
+#include "libaccel/core/ray.h"
+#include "libaccel/exec/counters.h"
+#include "libaccel/exec/simt_profile.h"
+#include "libaccel/registry/any_structure.h"
+
+namespace accel {
+
+// A line of the registry.
+struct MethodInfo {
+  std::string name;       // "sbvh/stack"
+  std::string builder;    // "sbvh"
+  std::string traverser;  // "stack"
+  std::string structure;  // "bvh2"
+};
+
+// All methods and all triangle tests, in the registry's order.
+const std::vector<MethodInfo>& methods();
+const std::vector<std::string>& triangle_tests();
+
+// The name of a method, or an error that suggests one. "best" is resolved as best_method() says.
+Result<std::string> find_method(std::string_view name);
+
+// The method that the library recommends for closest and any hit rays on this machine, for meshes of any size.
+std::string best_method();
+
+struct TraceOptions {
+  int threads = 0;        // 0: as many as the machine has; 1: the calling thread alone
+  std::string_view test;  // a name of triangle_tests(); empty: the first
+};
+
+class AnyAccel {
+ public:
+  // Builds what `method` needs from a mesh that validate() accepts.
+  static Result<AnyAccel> build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options = {});
+
+  // Binds a structure that exists, from a file say, to a method that traces structures of its kind. `report` tells how it was built.
+  static Result<AnyAccel> bind(AnyStructure structure, std::string_view method, BuildReport report = {});
+
+  // Fails if the traverser cannot trace this structure: wrong kind, or too deep for its stack.
+  Result<AnyAccel> with_method(std::string_view method) const { return bind(structure(), method, report()); }
+
+  // hits[i] answers rays[i]; the spans have the same size. The test must exist, as find_test() says.
+  Status closest(std::span<const Ray> rays, std::span<Hit> hits, const TraceOptions& options = {}) const;
+  Status occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options = {}) const;
+
+  // Single rays, with the watertight test.
+  Hit closest(const Ray& ray) const;
+  bool occluded(const Ray& ray) const;
+
+  // What the rays cost. steps, unless empty, gets one number a ray: inner nodes visited plus triangles tested.
+  Result<Counters> count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps = {},
+                         const TraceOptions& options = {}) const;
+
+  // What the rays would cost on a machine with 32-wide warps: see exec/simt.h.
+  Result<SimtProfile> profile_simt(std::span<const Ray> rays, Query query, const SimtOptions& simt = {},
+                                   const TraceOptions& options = {}) const;
+
+  const MethodInfo& method() const;
+  const AnyStructure& structure() const;
+  const BuildReport& report() const;
+  std::size_t size_bytes() const;
+
+ private:
+  struct State;
+  explicit AnyAccel(std::shared_ptr<const State> state) : state_(std::move(state)) {}
+  std::shared_ptr<const State> state_;
+};
+
+}  // namespace accel
