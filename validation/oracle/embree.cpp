@@ -1,0 +1,203 @@
+#include "validation/oracle/embree.h"
+
+#if defined(ACCEL_HAVE_EMBREE)
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+
+#include "libaccel/exec/cpu.h"
+
+namespace accel::validation {
+
+struct EmbreeWitness::Scene {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  EmbreeOptions options;
+  std::string isa;
+  double build_seconds = 0;
+  std::atomic<std::int64_t> bytes{0};
+
+  ~Scene() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+};
+
+namespace {
+
+std::string widest_isa() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl")) return "avx512";
+  if (__builtin_cpu_supports("avx2")) return "avx2";
+  return "sse4.2";
+#else
+  return "";
+#endif
+}
+
+bool count_bytes(void* counter, ssize_t bytes, bool /*after*/) {
+  static_cast<std::atomic<std::int64_t>*>(counter)->fetch_add(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+Error device_error(RTCDevice device, const char* what) {
+  return Error{std::string("Embree could not ") + what + " (error code " + std::to_string(rtcGetDeviceError(device)) + ")"};
+}
+
+RTCBuildQuality quality_of(EmbreeQuality quality) {
+  switch (quality) {
+    case EmbreeQuality::low: return RTC_BUILD_QUALITY_LOW;
+    case EmbreeQuality::medium: return RTC_BUILD_QUALITY_MEDIUM;
+    case EmbreeQuality::high: return RTC_BUILD_QUALITY_HIGH;
+  }
+  return RTC_BUILD_QUALITY_MEDIUM;
+}
+
+Status attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh, RTCBuildQuality quality) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  // Embree owns the copies: it pads them for its 16-byte loads.
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.vertices.size());
+  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(IndexTriple), mesh.size());
+  if (vertices == nullptr || triangles == nullptr) {
+    rtcReleaseGeometry(geometry);
+    return device_error(device, "allocate its copy of the mesh");
+  }
+  std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size_bytes());
+  std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size_bytes());
+  rtcSetGeometryBuildQuality(geometry, quality);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  return Done{};
+}
+
+RTCRay to_embree(const Ray& ray) {
+  RTCRay r{};
+  r.org_x = ray.org.x, r.org_y = ray.org.y, r.org_z = ray.org.z, r.tnear = max_of(ray.t_min, 0.0f);
+  r.dir_x = ray.dir.x, r.dir_y = ray.dir.y, r.dir_z = ray.dir.z, r.tfar = ray.t_max;
+  r.mask = 0xffffffffu;
+  return r;
+}
+
+Hit intersect(RTCScene scene, const Ray& ray) {
+  if (!is_traceable(ray)) return {};
+  RTCRayHit query{};
+  query.ray = to_embree(ray);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect1(scene, &query);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &query);
+#endif
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
+}
+
+bool is_occluded(RTCScene scene, const Ray& ray) {
+  if (!is_traceable(ray)) return false;
+  RTCRay query = to_embree(ray);
+#if RTC_VERSION_MAJOR >= 4
+  rtcOccluded1(scene, &query);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &query);
+#endif
+  return query.tfar < 0;
+}
+
+}  // namespace
+
+bool EmbreeWitness::available() { return true; }
+
+std::string EmbreeWitness::version() {
+  return "Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) + "." + std::to_string(RTC_VERSION_PATCH);
+}
+
+Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh& mesh, const EmbreeOptions& options) {
+  auto owned = std::make_unique<Scene>();
+  owned->options = options;
+  owned->isa = widest_isa();
+  std::string config = "threads=" + std::to_string(options.build_threads);
+  if (!owned->isa.empty()) config += ",isa=" + owned->isa;
+  owned->device = rtcNewDevice(config.c_str());
+  if (owned->device == nullptr) return device_error(nullptr, "create a device");
+  rtcSetDeviceMemoryMonitorFunction(owned->device, count_bytes, &owned->bytes);
+
+  owned->scene = rtcNewScene(owned->device);
+  if (options.mode == EmbreeMode::robust) rtcSetSceneFlags(owned->scene, RTC_SCENE_FLAG_ROBUST);
+  const RTCBuildQuality quality = quality_of(options.quality);
+  rtcSetSceneBuildQuality(owned->scene, quality);
+  if (mesh.size() > 0) {
+    const Status attached = attach_mesh(owned->device, owned->scene, mesh, quality);
+    if (!attached) return attached.error();
+  }
+
+  const auto start = std::chrono::steady_clock::now();
+  rtcCommitScene(owned->scene);
+  owned->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (rtcGetDeviceError(owned->device) != RTC_ERROR_NONE) return device_error(owned->device, "build the scene");
+  return EmbreeWitness(std::move(owned));
+}
+
+void EmbreeWitness::closest(std::span<const Ray> rays, std::span<Hit> hits, int threads) const {
+  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) hits[i] = intersect(scene_->scene, rays[i]);
+  });
+}
+
+void EmbreeWitness::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) const {
+  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) occluded[i] = is_occluded(scene_->scene, rays[i]) ? 1 : 0;
+  });
+}
+
+double EmbreeWitness::build_seconds() const { return scene_->build_seconds; }
+std::size_t EmbreeWitness::size_bytes() const { return static_cast<std::size_t>(scene_->bytes.load()); }
+const std::string& EmbreeWitness::isa() const { return scene_->isa; }
+const EmbreeOptions& EmbreeWitness::options() const { return scene_->options; }
+
+}  // namespace accel::validation
+
+#else
+
+namespace accel::validation {
+
+namespace {
+const std::string kNoIsa;
+const EmbreeOptions kNoOptions;
+}  // namespace
+
+struct EmbreeWitness::Scene {};
+
+bool EmbreeWitness::available() { return false; }
+std::string EmbreeWitness::version() { return "Embree: not built in (ACCEL_WITH_EMBREE)"; }
+Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh&, const EmbreeOptions&) {
+  return Error{"this program was built without Embree; configure with ACCEL_WITH_EMBREE=ON, or check with --check exact"};
+}
+void EmbreeWitness::closest(std::span<const Ray>, std::span<Hit>, int) const {}
+void EmbreeWitness::occluded(std::span<const Ray>, std::span<std::uint8_t>, int) const {}
+double EmbreeWitness::build_seconds() const { return 0; }
+std::size_t EmbreeWitness::size_bytes() const { return 0; }
+const std::string& EmbreeWitness::isa() const { return kNoIsa; }
+const EmbreeOptions& EmbreeWitness::options() const { return kNoOptions; }
+
+}  // namespace accel::validation
+
+#endif
+
+namespace accel::validation {
+EmbreeWitness::EmbreeWitness(std::unique_ptr<Scene> scene) : scene_(std::move(scene)) {}
+EmbreeWitness::EmbreeWitness(EmbreeWitness&&) noexcept = default;
+EmbreeWitness& EmbreeWitness::operator=(EmbreeWitness&&) noexcept = default;
+EmbreeWitness::~EmbreeWitness() = default;
+}  // namespace accel::validation

@@ -1,0 +1,57 @@
+// Embree as the witness of hits and as the speed to beat. The one place that includes Embree; versions 3 and 4 both compile.
+//
+// A witness, not a judge: Embree's own answers are rounded (validation/oracle/exact.h decides). What it would choke on never
+// reaches it: rays that is_traceable() refuses are misses, negative t_min are raised to 0. Its intervals are half open (t > t_near),
+// ours are closed. Its instruction set changes its results, so it is pinned, and isa() names it for reports.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "libaccel/core/hit.h"
+#include "libaccel/core/ray.h"
+#include "libaccel/geometry/triangle_mesh.h"
+
+namespace accel::validation {
+
+enum class EmbreeMode : std::uint8_t { fast, robust };
+enum class EmbreeQuality : std::uint8_t { low, medium, high };
+
+struct EmbreeOptions {
+  EmbreeMode mode = EmbreeMode::robust;
+  EmbreeQuality quality = EmbreeQuality::medium;
+  int build_threads = 0;  // 0: as many as the machine has
+};
+
+class EmbreeWitness {
+ public:
+  // Whether this program was built with Embree.
+  static bool available();
+  // "Embree 3.13.5", or why there is none.
+  static std::string version();
+
+  // Builds a scene. The mesh may be dropped afterwards.
+  static Result<EmbreeWitness> build(const TriangleMesh& mesh, const EmbreeOptions& options = {});
+
+  EmbreeWitness(EmbreeWitness&&) noexcept;
+  EmbreeWitness& operator=(EmbreeWitness&&) noexcept;
+  ~EmbreeWitness();
+
+  // rtcIntersect1 and rtcOccluded1 for each ray; threads as in TraceOptions. u and v follow libaccel's Hit.
+  void closest(std::span<const Ray> rays, std::span<Hit> hits, int threads = 0) const;
+  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads = 0) const;
+
+  double build_seconds() const;
+  std::size_t size_bytes() const;  // what Embree allocated for the scene, the vertex and index copies included
+  const std::string& isa() const;  // the pinned instruction set: "avx512", "avx2", "sse4.2"
+  const EmbreeOptions& options() const;
+
+ private:
+  struct Scene;
+  explicit EmbreeWitness(std::unique_ptr<Scene> scene);
+  std::unique_ptr<Scene> scene_;
+};
+
+}  // namespace accel::validation
