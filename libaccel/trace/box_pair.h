@@ -47,13 +47,18 @@ struct RaySlabs {
 
 // Which children the ray enters within [t_min, t_max], and where.
 struct BoxPairHit {
-  bool hit[2];
-  float t_near[2];
+  std::uint32_t mask;  // bit c: child c is entered
+  float t_near0, t_near1;
+
+  // The child to visit first, when both are entered: the nearer one, child 0 at equal distances.
+  ACCEL_HD std::uint32_t nearer() const { return t_near1 < t_near0 ? 1u : 0u; }
+  ACCEL_HD float farther_t() const { return t_near1 < t_near0 ? t_near0 : t_near1; }
 };
 
 // The portable version; the SIMD version below has the same bits, which a test compares.
 ACCEL_HD BoxPairHit intersect_boxes_scalar(const Bvh2Node& node, const RaySlabs& ray, float t_max) {
-  BoxPairHit result;
+  float t_near[2];
+  std::uint32_t mask = 0;
   for (int c = 0; c < 2; ++c) {
     float enter = ray.t_min, leave = t_max;
     for (int a = 0; a < 3; ++a) {
@@ -62,10 +67,10 @@ ACCEL_HD BoxPairHit intersect_boxes_scalar(const Bvh2Node& node, const RaySlabs&
       enter = max_of(near_t, enter);
       leave = min_of(far_t, leave);
     }
-    result.t_near[c] = enter;
-    result.hit[c] = enter <= leave * kFarScale;
+    t_near[c] = enter;
+    mask |= enter <= leave * kFarScale ? 1u << c : 0u;
   }
-  return result;
+  return {mask, t_near[0], t_near[1]};
 }
 
 #if ACCEL_SSE
@@ -83,11 +88,8 @@ ACCEL_HD BoxPairHit intersect_boxes_sse(const Bvh2Node& node, const RaySlabs& ra
   t = _mm_max_ps(distances(1, ray.org.y, ray.inv_near.y, ray.inv_far.y), t);
   t = _mm_max_ps(distances(2, ray.org.z, ray.inv_near.z, ray.inv_far.z), t);
   const __m128 leave = _mm_mul_ps(_mm_movehl_ps(t, t), _mm_set1_ps(-kFarScale));
-  const int mask = _mm_movemask_ps(_mm_cmple_ps(t, leave));
-  BoxPairHit result;
-  result.hit[0] = (mask & 1) != 0, result.hit[1] = (mask & 2) != 0;
-  result.t_near[0] = _mm_cvtss_f32(t), result.t_near[1] = _mm_cvtss_f32(_mm_shuffle_ps(t, t, _MM_SHUFFLE(1, 1, 1, 1)));
-  return result;
+  const auto mask = static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(t, leave))) & 3u;
+  return {mask, _mm_cvtss_f32(t), _mm_cvtss_f32(_mm_shuffle_ps(t, t, _MM_SHUFFLE(1, 1, 1, 1)))};
 }
 #endif
 

@@ -46,16 +46,13 @@ struct Bvh2Stack {
     observer.load(Memory::node, &node, sizeof node);
     observer.box_tests(2);
     const BoxPairHit boxes = intersect_boxes(node, state.slabs, hit.t);
-    if (boxes.hit[0] && boxes.hit[1]) {
-      const int second = boxes.t_near[1] < boxes.t_near[0] ? 0 : 1;
-      Postponed& entry = state.stack[state.postponed++];
-      entry = {node.child[second], boxes.t_near[second]};
-      observer.store(Memory::stack, &entry, sizeof entry);
-      return enter(state, node.child[1 - second]);
-    }
-    if (boxes.hit[0]) return enter(state, node.child[0]);
-    if (boxes.hit[1]) return enter(state, node.child[1]);
-    return Phase::backtrack;
+    if (boxes.mask == 0) return Phase::backtrack;
+    if (boxes.mask != 3) return enter(state, node.child[boxes.mask >> 1]);
+    const std::uint32_t first = boxes.nearer();
+    Postponed& entry = state.stack[state.postponed++];
+    entry = {node.child[first ^ 1u], boxes.farther_t()};
+    observer.store(Memory::stack, &entry, sizeof entry);
+    return enter(state, node.child[first]);
   }
 
   template <class Observer>
