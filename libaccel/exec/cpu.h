@@ -20,15 +20,15 @@ namespace accel {
 // Rays in one task: long enough to hide the cost of a task, short enough to balance a batch of some ten thousand rays.
 inline constexpr std::size_t kRaysPerTask = 1024;
 
-// Calls body(begin, end) for blocks of [0, count), on `threads` threads (0: all of the machine).
+// Calls body(begin, end) for blocks of about `grain` of [0, count), on `threads` threads (0: all of the machine).
 template <class Body>
-void for_each_block(std::size_t count, int threads, const Body& body) {
-  if (threads == 1 || count <= kRaysPerTask) {
+void for_each_block(std::size_t count, int threads, const Body& body, std::size_t grain = kRaysPerTask) {
+  if (threads == 1 || count <= grain) {
     if (count > 0) body(std::size_t{0}, count);
     return;
   }
   const auto run = [&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kRaysPerTask),
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                       [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); });
   };
   if (threads == 0) return run();

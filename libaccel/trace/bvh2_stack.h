@@ -17,6 +17,9 @@ struct Bvh2Stack {
   // One postponed child for each inner node on the path.
   static constexpr std::uint32_t kMaxDepth = kBvh2StackSize;
 
+  // For speculation: see trace/traverser.h.
+  static constexpr Phase kAfterLeaf = Phase::backtrack;
+
   struct Postponed {
     NodeRef node;
     float t_near;
@@ -29,6 +32,8 @@ struct Bvh2Stack {
     int postponed;       // entries on the stack
     Postponed stack[kBvh2StackSize];
   };
+
+  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.quad; }
 
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer&) {
@@ -57,7 +62,7 @@ struct Bvh2Stack {
 
   template <class Observer>
   ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
-    return intersect_next<Test, kQuery>(view.leaves, ray, s.test, s.slabs.t_min, s.quad, hit, Phase::backtrack, observer);
+    return intersect_next<Test, kQuery>(view.leaves, ray, s.test, s.slabs.t_min, s.quad, hit, kAfterLeaf, observer);
   }
 
   template <class Observer>

@@ -17,10 +17,18 @@
 // geometry/, kQuery says whether the first hit will do. Who drives the machine, and in which order over many rays, is none of its
 // business: see exec/.
 //
+// Speculation. A driver may postpone the test of a leaf and let the ray go on in the meantime (Aila and Laine 2009, section 3.2), if
+// what comes after a leaf does not depend on the hits in it, and if the traverser says how (SpeculativeTraverser):
+//
+//     ACCEL_HD static std::uint32_t& leaf(State&);  // names the triangle that intersect() tests next; nothing else that
+//                                                   // intersect() reads changes while the ray goes on
+//     static constexpr Phase kAfterLeaf = ...;      // what intersect() returns when the leaf has ended
+//
 // During traversal hit.t is the end of the interval that is still of interest; begin_hit() and accept_hit() keep the rules that all
 // traversers share, so that all of them name the same triangle. finish_hit() turns the state into an answer.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <limits>
 
@@ -30,6 +38,12 @@
 namespace accel {
 
 enum class Phase : std::uint8_t { descend, intersect, backtrack, done };
+
+template <class Traverser>
+concept SpeculativeTraverser = requires(typename Traverser::State& state) {
+  { Traverser::leaf(state) } -> std::same_as<std::uint32_t&>;
+  { Traverser::kAfterLeaf } -> std::convertible_to<Phase>;
+};
 
 // What a load or store of a traverser touches. The SIMT model reports bytes by these classes.
 enum class Memory : std::uint8_t { node, triangle, stack, hash, ray };
