@@ -7,6 +7,7 @@
 #include "libaccel/core/camera_description.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/core/result.h"
+#include "libaccel/core/vec3d.h"
 
 namespace accel {
 
@@ -24,13 +25,9 @@ class Camera {
   std::uint32_t height() const { return height_; }
 
  private:
-  struct Axis {
-    double x, y, z;
-  };
-
   Vec3 eye_;
-  Axis corner_;        // from the eye to the upper left corner of the picture, which lies at distance 1
-  Axis right_, down_;  // one pixel's width and height in it
+  Vec3d corner_;        // from the eye to the upper left corner of the picture, which lies at distance 1
+  Vec3d right_, down_;  // one pixel's width and height in it
   std::uint32_t width_ = 0, height_ = 0;
 };
 
