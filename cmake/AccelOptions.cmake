@@ -1,5 +1,8 @@
 # The switches of the build. Each optional part is AUTO (used where it is found), ON (an error where it is not) or OFF.
-include(CMakeDependentOption)
+include(GNUInstallDirs)
+
+# Whoever links accel::accel from another directory sees the packages that it is linked with.
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)
 
 if(PROJECT_IS_TOP_LEVEL)
   if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
@@ -61,6 +64,13 @@ else()
   include(CheckLanguage)
   if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
     set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 90-real 90-virtual)
+  endif()
+  if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
+    find_program(ACCEL_NVCC nvcc HINTS ENV CUDA_PATH PATHS /usr/local/cuda PATH_SUFFIXES bin)
+    mark_as_advanced(ACCEL_NVCC)
+    if(ACCEL_NVCC)
+      set(ENV{CUDACXX} "${ACCEL_NVCC}")
+    endif()
   endif()
   check_language(CUDA)
   if(CMAKE_CUDA_COMPILER)

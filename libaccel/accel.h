@@ -1,0 +1,24 @@
+// Everything that a program needs to load a scene, build a structure and trace rays.
+//
+//   const auto mesh = accel::load_mesh("scene.ply");
+//   const auto scene = accel::AnyAccel::build(*mesh, "sbvh/stack");
+//   const accel::Hit hit = scene->closest(ray);
+//
+// Code that composes traversers and executors itself includes the headers of those layers, and is compiled with
+// -ffp-contract=off (see geometry/watertight.h).
+#pragma once
+
+#include "libaccel/core/aabb.h"
+#include "libaccel/core/buffer.h"
+#include "libaccel/core/hit.h"
+#include "libaccel/core/ray.h"
+#include "libaccel/core/result.h"
+#include "libaccel/core/vec3.h"
+#include "libaccel/core/version.h"
+#include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/io/load_mesh.h"
+#include "libaccel/io/npy.h"
+#include "libaccel/io/structure_sections.h"
+#include "libaccel/rays/camera.h"
+#include "libaccel/rays/ray_sets.h"
+#include "libaccel/registry/any_accel.h"

@@ -1,0 +1,33 @@
+# Builds a user's project around the example of the README, and runs it. MODE is find_package or add_subdirectory.
+cmake_minimum_required(VERSION 3.25)
+
+# The ```cpp block of the README is the program.
+file(READ "${SOURCE_DIR}/README.md" readme)
+string(REGEX MATCH "```cpp\n(.*)" example "${readme}")
+string(FIND "${CMAKE_MATCH_1}" "```" end)
+if(end EQUAL -1)
+  message(FATAL_ERROR "README.md has no C++ example")
+endif()
+string(SUBSTRING "${CMAKE_MATCH_1}" 0 ${end} example)
+file(REMOVE_RECURSE "${WORK_DIR}")
+file(WRITE "${WORK_DIR}/example.cpp" "${example}")
+
+if(MODE STREQUAL "find_package")
+  execute_process(COMMAND "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${WORK_DIR}/prefix"
+    OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  set(how -D "CMAKE_PREFIX_PATH=${WORK_DIR}/prefix" -D "LIBACCEL_VERSION=${VERSION}")
+else()
+  set(how -D "LIBACCEL_SOURCE=${SOURCE_DIR}")
+endif()
+execute_process(COMMAND "${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}/consumer" -B "${WORK_DIR}/build" -G "${GENERATOR}"
+  -D "CMAKE_CXX_COMPILER=${CXX}" -D "CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG=-O0
+  -D ACCEL_WITH_CUDA=OFF -D "EXAMPLE=${WORK_DIR}/example.cpp" ${how} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND "${CMAKE_COMMAND}" --build "${WORK_DIR}/build" COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND "${WORK_DIR}/build/example" OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
+
+# What the README says that the example prints.
+string(REGEX MATCH "prints `([^`]*)`" stated "${readme}")
+string(STRIP "${output}" output)
+if(NOT output STREQUAL CMAKE_MATCH_1)
+  message(FATAL_ERROR "the example prints '${output}', but README.md says '${CMAKE_MATCH_1}'")
+endif()
