@@ -6,8 +6,9 @@
 //   using Structure = ...;                   // what it makes
 //   static Result<Built<Structure>> build(const TriangleMesh&, const BuildOptions&);
 //
-// All builders are parallel and deterministic: the same mesh and options give the same bytes for any number of threads. They accept
-// any mesh that validate() accepts, drop triangles that no ray can hit (Skipped) and keep the caller's prim_id for all others.
+// All builders are parallel and deterministic: the same mesh and options give the same bytes for any number of threads. They
+// accept any mesh that validate() accepts, drop triangles that no ray can hit (Skipped) and keep the caller's prim_id for all
+// others.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +27,9 @@ struct BuildOptions {
   float traversal_cost = 1.0f;
   float intersection_cost = 1.0f;
 
-  int bins = 32;           // per axis, for object and spatial splits
-  int max_leaf_size = 8;   // triangles; exceeded only where triangles cannot be told apart and max_depth forbids more nodes
-  int max_depth = 120;     // inner nodes on a path; kept always, by balanced splits where the heuristic would go deeper
+  int bins = 32;          // per axis, for object and spatial splits
+  int max_leaf_size = 8;  // triangles; exceeded only where triangles cannot be told apart and max_depth forbids more nodes
+  int max_depth = 120;    // inner nodes on a path; kept always, by balanced splits where the heuristic would go deeper
 
   // Spatial splits (Stich et al. 2009, section 4): tried where the children of the best object split overlap by more than this
   // share of the root's area, as long as references stay below (1 + max_duplication) times the triangles.
@@ -53,9 +54,9 @@ struct BuildReport {
   double seconds = 0;              // wall time of the whole build
   std::vector<BuildPhase> phases;  // parts of it, in order
   Skipped skipped;
-  std::uint64_t triangles = 0;     // in the structure, each counted once
-  std::uint64_t references = 0;    // in the leaves; triangles * (1 + duplication)
-  std::uint64_t peak_bytes = 0;    // the most memory that the build held at once, the finished structure included
+  std::uint64_t triangles = 0;   // in the structure, each counted once
+  std::uint64_t references = 0;  // in the leaves; triangles * (1 + duplication)
+  std::uint64_t peak_bytes = 0;  // the most memory that the build held at once, the finished structure included
 };
 
 template <class Structure>

@@ -1,0 +1,56 @@
+#include "libaccel/build/build_context.h"
+
+#include "libaccel/build/sah_bins.h"
+
+namespace accel {
+
+void ProgressMeter::advance(std::uint64_t amount) {
+  const std::uint64_t done = done_.fetch_add(amount, std::memory_order_relaxed) + amount;
+  if (!progress_) return;
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_ < std::chrono::milliseconds(100)) return;
+  last_ = now;
+  if (!progress_(phase_, total_ > 0 ? static_cast<double>(done) / static_cast<double>(total_) : 1.0)) stopped_ = true;
+}
+
+Status validate(const BuildOptions& options) {
+  const auto is_cost = [](float x) { return x >= 0.0f && x <= 1e6f; };
+  if (options.threads < 0)
+    return Error{"build option threads is " + std::to_string(options.threads) + "; it must be 0 or more"};
+  if (!is_cost(options.traversal_cost)) return Error{"build option traversal_cost must lie in [0, 1e6]"};
+  if (!is_cost(options.intersection_cost)) return Error{"build option intersection_cost must lie in [0, 1e6]"};
+  if (options.bins < 2 || options.bins > kMaxBins)
+    return Error{"build option bins is " + std::to_string(options.bins) + "; it must lie in [2, " + std::to_string(kMaxBins) +
+                 "]"};
+  if (options.max_leaf_size < 1)
+    return Error{"build option max_leaf_size is " + std::to_string(options.max_leaf_size) + "; it must be 1 or more"};
+  if (options.max_depth < 0 || options.max_depth > kMaxBuildDepth)
+    return Error{"build option max_depth is " + std::to_string(options.max_depth) + "; it must lie in [0, " +
+                 std::to_string(kMaxBuildDepth) + "]"};
+  if (!(options.spatial_overlap >= 0.0f)) return Error{"build option spatial_overlap must be 0 or more"};
+  if (!(options.max_duplication >= 0.0f && options.max_duplication <= kMaxDuplication))
+    return Error{"build option max_duplication must lie in [0, " + std::to_string(kMaxDuplication) + "]"};
+  return Done{};
+}
+
+void BuildContext::begin_phase(std::string name) {
+  end_phase();
+  report.phases.push_back({std::move(name), 0.0});
+}
+
+BuildReport BuildContext::finish() {
+  end_phase();
+  report.seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  report.peak_bytes = memory.peak();
+  return std::move(report);
+}
+
+void BuildContext::end_phase() {
+  const Clock::time_point now = Clock::now();
+  if (!report.phases.empty()) report.phases.back().seconds = std::chrono::duration<double>(now - phase_start_).count();
+  phase_start_ = now;
+}
+
+}  // namespace accel

@@ -1,0 +1,64 @@
+#include "libaccel/geometry/mesh_facts.h"
+
+#include <cmath>
+#include <limits>
+
+#include "libaccel/core/ray.h"
+
+namespace accel {
+namespace {
+
+// A difference of two floats as a double, and whether it is exact (Knuth's two-sum).
+struct Difference {
+  double value;
+  bool exact;
+};
+Difference subtract(float a, float b) {
+  const double x = a, y = b, d = x - y;
+  const double back = d - x;
+  return {d, (x - (d - back)) - (y + back) == 0.0};
+}
+
+// Whether a b = c d exactly. A double product and its rounding error are equal exactly when the products are: magnitudes
+// between 2^-298 and 2^124, which is what differences of floats in range have, neither overflow nor lose the error to
+// underflow.
+bool products_are_equal(double a, double b, double c, double d) {
+  const double ab = a * b, cd = c * d;
+  return ab == cd && std::fma(a, b, -ab) == std::fma(c, d, -cd);
+}
+
+}  // namespace
+
+bool is_zero_area(const Triangle& t) {
+  if (t.v0 == t.v1 || t.v1 == t.v2 || t.v2 == t.v0) return true;
+  Difference e[3], f[3];
+  for (int a = 0; a < 3; ++a) e[a] = subtract(t.v1[a], t.v0[a]), f[a] = subtract(t.v2[a], t.v0[a]);
+
+  // The normal's components vanish; a component that is clearly not zero settles it without the proof.
+  for (int a = 0; a < 3; ++a) {
+    const int b = a == 2 ? 0 : a + 1;
+    const bool exact = e[a].exact && e[b].exact && f[a].exact && f[b].exact;
+    if (!exact || !products_are_equal(e[a].value, f[b].value, e[b].value, f[a].value)) return false;
+  }
+  return true;
+}
+
+bool is_in_range(const Triangle& t) { return in_range(t.v0) && in_range(t.v1) && in_range(t.v2); }
+
+MeshFacts mesh_facts(const TriangleMesh& mesh) {
+  MeshFacts facts;
+  facts.triangles = mesh.size();
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    const Triangle triangle = mesh.triangle(i);
+    if (!is_in_range(triangle)) {
+      ++facts.out_of_range;
+    } else if (is_zero_area(triangle)) {
+      ++facts.zero_area;
+    } else {
+      facts.bounds.extend(triangle.bounds());
+    }
+  }
+  return facts;
+}
+
+}  // namespace accel
