@@ -6,7 +6,8 @@
 #include "libaccel/core/hit.h"
 #include "libaccel/geometry/packed_triangle.h"
 
-#if defined(__SSE2__) && !defined(__CUDA_ARCH__)
+// Off under a CUDA compiler, for host code too: the states of traversers must have one layout in both of its passes.
+#if defined(__SSE2__) && !defined(__CUDACC__)
 #define ACCEL_SSE 1
 #include <emmintrin.h>
 #else

