@@ -124,7 +124,7 @@ Result<std::size_t> find_test(std::string_view name) {
   const std::vector<std::string>& names = triangle_tests();
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == name) return i;
-  return Error{"no triangle test named '" + std::string(name) + "'" + suggestion(name, names)};
+  return unknown_name("triangle test", name, std::vector<std::string_view>(names.begin(), names.end()));
 }
 
 template <class Out>
@@ -157,12 +157,12 @@ std::string best_method() { return "sbvh/stack"; }
 
 Result<std::string> find_method(std::string_view name) {
   if (name == "best") return best_method();
-  std::vector<std::string> names;
+  std::vector<std::string_view> names;
   for (const MethodInfo& info : methods()) {
     if (info.name == name) return info.name;
     names.push_back(info.name);
   }
-  return Error{"no method named '" + std::string(name) + "'" + suggestion(name, names)};
+  return unknown_name("method", name, names);
 }
 
 struct AnyAccel::State {
