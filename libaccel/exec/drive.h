@@ -7,7 +7,9 @@ namespace accel {
 
 template <class Traverser, class Observer>
 ACCEL_HD Hit trace_ray(const typename Traverser::View& view, const Ray& ray, Observer& observer) {
+  StackOf<Traverser> stack;
   typename Traverser::State state;
+  attach_stack<Traverser>(state, stack);
   Hit hit;
   Phase phase = Traverser::begin(view, ray, state, hit, observer);
   while (phase != Phase::done) {

@@ -5,14 +5,14 @@
 // paper's loops is descend or backtrack here: a lane that misses both children takes its next node from the stack without
 // leaving the loop.
 //
-//   while-while   while a lane is at work: while a lane looks for a leaf: to the next node; while a lane has triangles: test
-//   one if-if         while a lane is at work: to the next node, for lanes that look for a leaf; test one triangle, for lanes
-//   that have any speculative   while-while, but a lane that has found a leaf postpones it and looks for another until all
-//   lanes hold one: section
-//                 3.2. Only for traversers that say they can (SpeculativeTraverser); others run while-while
+//   while-while   while a lane is at work: while a lane looks for a leaf: to the next node; then, while a lane has triangles
+//                 left in its leaf: test one
+//   if-if         while a lane is at work: to the next node, for lanes that look for a leaf; test one triangle, for lanes that
+//                 have one
+//   speculative   while-while, but a lane that has found a leaf postpones it and looks for another until all lanes hold one:
+//                 section 3.2. Only for traversers that say how (SpeculativeTraverser); others run while-while
 //   persistent    while-while, but lanes without work fetch rays from a queue: section 3.3. Deviation: lanes fetch one by one,
-//   once few
-//                 enough are left at work, as in Aila, Laine and Karras 2012; in the paper a warp fetches 32 rays at a time
+//                 once few enough are left at work, as in Aila, Laine and Karras 2012; in [AL09] a warp fetches 32 rays a time
 //
 // Hits are those of exec/cpu.h, bit for bit, in every schedule. A speculating lane visits nodes that a hit in its postponed
 // leaf would have culled, which costs steps but no hit: the nearest hit does not depend on the order of tests, and any-hit
@@ -69,6 +69,7 @@ class SimtWarp {
     std::uint32_t leaf = 0;   // which one
     Hit hit;
     typename Traverser::State state;
+    StackOf<Traverser> stack;
 
     bool searches() const { return phase == Phase::descend || phase == Phase::backtrack; }
     bool at_work() const { return phase != Phase::done || holds_leaf; }
@@ -150,6 +151,7 @@ class SimtWarp {
         [this](Lane& lane, LaneObserver& observer) {
           lane.ray = next_++;
           requests_.add(Memory::ray, false, 0, lane.ray * sizeof(Ray), sizeof(Ray));
+          attach_stack<Traverser>(lane.state, lane.stack);
           lane.phase = Traverser::begin(view_, rays_[lane.ray], lane.state, lane.hit, observer);
         });
   }
@@ -172,7 +174,7 @@ class SimtWarp {
     for (int l = 0; l < kWarpSize; ++l) {
       Lane& lane = lanes_[l];
       if (!takes_part(lane)) continue;
-      LaneObserver observer(requests_, &lane.state, sizeof lane.state, l);
+      LaneObserver observer(requests_, &lane.stack, sizeof lane.stack, l);
       run(lane, observer);
       ++active;
     }

@@ -7,8 +7,8 @@
 // the cache.
 //
 // Addresses. Nodes, triangles and hashes: the host's, for buffers start at lines (core/buffer.h) as device memory does. Stacks:
-// the state's host address means nothing, since a device keeps per-thread arrays in local memory, where the 32-bit words of
-// the 32 lanes are interleaved. So word w of the state of lane l is at byte (32 w + l) * 4: lanes at the same stack depth share
+// the host's address means nothing, since a device keeps per-thread arrays in local memory, where the 32-bit words of the 32
+// lanes are interleaved. So word w of the stack of lane l is at byte (32 w + l) * 4: lanes at the same stack depth share
 // lines, lanes at different depths do not. Rays and hits: byte index * size in an array that starts at a line.
 #pragma once
 
@@ -82,8 +82,8 @@ class WarpRequests {
 // The observer of one lane during one step.
 class LaneObserver {
  public:
-  LaneObserver(WarpRequests& requests, const void* state, std::size_t state_bytes, int lane)
-      : requests_(requests), state_(reinterpret_cast<std::uintptr_t>(state)), state_bytes_(state_bytes), lane_(lane) {}
+  LaneObserver(WarpRequests& requests, const void* stack, std::size_t stack_bytes, int lane)
+      : requests_(requests), stack_(reinterpret_cast<std::uintptr_t>(stack)), stack_bytes_(stack_bytes), lane_(lane) {}
 
   void load(Memory memory, const void* address, std::uint32_t bytes) { record(memory, false, address, bytes); }
   void store(Memory memory, const void* address, std::uint32_t bytes) { record(memory, true, address, bytes); }
@@ -95,18 +95,18 @@ class LaneObserver {
   void record(Memory memory, bool store, const void* pointer, std::uint32_t bytes) {
     const std::uint32_t n = count_[store ? 1 : 0][static_cast<int>(memory)]++;
     const auto address = reinterpret_cast<std::uintptr_t>(pointer);
-    const bool in_state = address >= state_ && address < state_ + state_bytes_;
-    if (!in_state) return requests_.add(memory, store, n, address, bytes);
+    const bool in_stack = address >= stack_ && address < stack_ + stack_bytes_;
+    if (!in_stack) return requests_.add(memory, store, n, address, bytes);
     constexpr std::uint32_t kWord = 4;
-    const std::uint64_t first_word = (address - state_) / kWord;
-    for (std::uint64_t word = first_word; word * kWord < address - state_ + bytes; ++word) {
+    const std::uint64_t first_word = (address - stack_) / kWord;
+    for (std::uint64_t word = first_word; word * kWord < address - stack_ + bytes; ++word) {
       requests_.add(memory, store, n, (word * kWarpSize + static_cast<std::uint64_t>(lane_)) * kWord, kWord);
     }
   }
 
   WarpRequests& requests_;
-  std::uintptr_t state_;
-  std::size_t state_bytes_;
+  std::uintptr_t stack_;
+  std::size_t stack_bytes_;
   int lane_;
   std::uint32_t count_[2][kMemoryClasses] = {};  // accesses so far: loads, stores
 };

@@ -24,13 +24,16 @@ struct Bvh2Stack {
     NodeRef node;
     float t_near;
   };
+  struct Stack {
+    Postponed entries[kBvh2StackSize];
+  };
   struct State {
     BoxPairTest boxes;
     typename Test::RayData test;
     NodeRef node;        // while descending
     std::uint32_t quad;  // in a leaf
     int postponed;       // entries on the stack
-    Postponed stack[kBvh2StackSize];
+    Stack* stack;
   };
 
   ACCEL_HD static std::uint32_t& leaf(State& state) { return state.quad; }
@@ -55,7 +58,7 @@ struct Bvh2Stack {
     if (boxes.mask == 0) return Phase::backtrack;
     if (boxes.mask == 1) return enter(state, node.child[0]);
     if (boxes.mask == 2) return enter(state, node.child[1]);
-    Postponed& entry = state.stack[state.postponed++];
+    Postponed& entry = state.stack->entries[state.postponed++];
     observer.store(Memory::stack, &entry, sizeof entry);
     if (boxes.t_near1 < boxes.t_near0) {
       entry = {node.child[0], boxes.t_near0};
@@ -74,7 +77,7 @@ struct Bvh2Stack {
   ACCEL_HD static Phase backtrack(const View&, const Ray&, State& state, Hit& hit, Observer& observer) {
     if (state.postponed == 0) return Phase::done;
     observer.backtrack();
-    const Postponed& entry = state.stack[--state.postponed];
+    const Postponed& entry = state.stack->entries[--state.postponed];
     observer.load(Memory::stack, &entry, sizeof entry);
     return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node) : Phase::backtrack;
   }

@@ -5,6 +5,7 @@
 //   template <class Test, Query kQuery> struct MyTraverser {
 //     using View = ...;     // the non-owning view of its structure, passed by value
 //     struct State {...};   // trivially copyable, of constant size: copying it pauses the traversal
+//     struct Stack {...};   // optional, likewise: arrays with run-time indices; State has a member Stack* stack (see below)
 //     static constexpr std::uint32_t kMaxDepth = ...;  // optional: the deepest tree that the state has room for
 //     template <class Observer> ACCEL_HD static Phase begin    (const View&, const Ray&, State&, Hit&, Observer&);
 //     template <class Observer> ACCEL_HD static Phase descend  (const View&, const Ray&, State&, Hit&, Observer&);
@@ -16,6 +17,10 @@
 // backtrack, one step towards the next postponed node. begin() prepares the state and the hit. Test is a triangle test of
 // geometry/, kQuery says whether the first hit will do. Who drives the machine, and in which order over many rays, is none of its
 // business: see exec/.
+//
+// Stacks. Compilers for devices (LLVM's) keep an object in registers only if nothing in it is addressed at run time, so a stack
+// inside the state would drag the ray's whole state into memory. A traverser with a stack declares it as a type of its own; the
+// driver provides one (StackOf), lets the state point to it before begin() (attach_stack), and copies both to pause a ray.
 //
 // Speculation. A driver may postpone the test of a leaf and let the ray go on in the meantime (Aila and Laine 2009, section 3.2), if
 // what comes after a leaf does not depend on the hits in it, and if the traverser says how (SpeculativeTraverser):
@@ -38,6 +43,30 @@
 namespace accel {
 
 enum class Phase : std::uint8_t { descend, intersect, backtrack, done };
+
+template <class Traverser>
+concept StackTraverser = requires(typename Traverser::State& state, typename Traverser::Stack& stack) { state.stack = &stack; };
+
+namespace detail {
+struct NoStack {};
+template <class Traverser>
+struct StackType {
+  using type = NoStack;
+};
+template <StackTraverser Traverser>
+struct StackType<Traverser> {
+  using type = typename Traverser::Stack;
+};
+}  // namespace detail
+
+// The stack that a driver provides for a ray: empty where the traverser needs none.
+template <class Traverser>
+using StackOf = typename detail::StackType<Traverser>::type;
+
+template <class Traverser>
+ACCEL_HD void attach_stack(typename Traverser::State& state, StackOf<Traverser>& stack) {
+  if constexpr (StackTraverser<Traverser>) state.stack = &stack;
+}
 
 template <class Traverser>
 concept SpeculativeTraverser = requires(typename Traverser::State& state) {
