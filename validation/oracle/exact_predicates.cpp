@@ -1,0 +1,144 @@
+#include "validation/oracle/exact_predicates.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace accel::validation {
+namespace {
+
+// Error of a triple product relative to its permanent; derived in the header.
+constexpr double kFilterError = 16.0 * 0x1p-53;
+
+using ExactVector = std::array<ExactInt, 3>;
+
+// f * 2^149.
+ExactInt scaled(float f) {
+  int exponent = 0;
+  const float fraction = std::frexp(f, &exponent);
+  const auto mantissa = static_cast<std::int64_t>(std::ldexp(fraction, 24));
+  const int shift = exponent - 24 + 149;
+  const ExactInt value(mantissa);
+  return shift >= 0 ? value << shift : value >> -shift;
+}
+
+ExactVector scaled(Vec3 v) { return {scaled(v.x), scaled(v.y), scaled(v.z)}; }
+
+ExactVector operator-(const ExactVector& a, const ExactVector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+ExactVector cross(const ExactVector& a, const ExactVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+ExactInt dot(const ExactVector& a, const ExactVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// |x| as a fraction of at least 2^63, rounded down, times a power of two.
+struct Scientific {
+  long double fraction;
+  int exponent;
+};
+
+Scientific scientific(const ExactInt& x) {
+  const ExactInt magnitude = abs(x);
+  const int shift = static_cast<int>(msb(magnitude)) - 63;
+  const ExactInt top = shift >= 0 ? ExactInt(magnitude >> shift) : ExactInt(magnitude << -shift);
+  return {static_cast<long double>(top.convert_to<std::uint64_t>()), shift};
+}
+
+struct DoubleVector {
+  double x, y, z;
+};
+
+DoubleVector difference(Vec3 a, Vec3 b) {
+  return {double{a.x} - double{b.x}, double{a.y} - double{b.y}, double{a.z} - double{b.z}};
+}
+
+// A number and how wrong it may be.
+struct Bounded {
+  double value, error;
+};
+
+// A cross product, and the sums of its monomials' magnitudes.
+struct BoundedCross {
+  DoubleVector value, permanent;
+
+  BoundedCross(const DoubleVector& a, const DoubleVector& b) {
+    const double xp = a.y * b.z, xm = a.z * b.y, yp = a.z * b.x, ym = a.x * b.z, zp = a.x * b.y, zm = a.y * b.x;
+    value = {xp - xm, yp - ym, zp - zm};
+    permanent = {std::abs(xp) + std::abs(xm), std::abs(yp) + std::abs(ym), std::abs(zp) + std::abs(zm)};
+  }
+  Bounded dot(const DoubleVector& d) const {
+    const double permanents = std::abs(d.x) * permanent.x + std::abs(d.y) * permanent.y + std::abs(d.z) * permanent.z;
+    return {d.x * value.x + d.y * value.y + d.z * value.z, kFilterError * permanents};
+  }
+};
+
+}  // namespace
+
+int compare(const ExactRatio& a, const ExactRatio& b) { return (a.num * b.den).compare(b.num * a.den); }
+int compare(const ExactRatio& a, float b) { return (a.num << 149).compare(scaled(b) * a.den); }
+
+double to_double(const ExactRatio& a) {
+  if (a.num == 0) return 0.0;
+  const Scientific num = scientific(a.num), den = scientific(a.den);
+  const long double magnitude = std::ldexp(num.fraction / den.fraction, num.exponent - den.exponent);
+  return static_cast<double>(a.num < 0 ? -magnitude : magnitude);
+}
+
+bool ExactCrossing::meets() const {
+  const int su = u.sign(), sv = v.sign(), sw = w.sign();
+  const bool mixed = (su < 0 || sv < 0 || sw < 0) && (su > 0 || sv > 0 || sw > 0);
+  return !mixed && det != 0;
+}
+
+ExactRatio ExactCrossing::t() const { return weight(num); }
+
+ExactRatio ExactCrossing::weight(const ExactInt& of) const {
+  return det < 0 ? ExactRatio{ExactInt(-of), ExactInt(-det)} : ExactRatio{of, det};
+}
+
+ExactCrossing exact_crossing(const Ray& ray, const Triangle& triangle) {
+  const ExactVector org = scaled(ray.org), dir = scaled(ray.dir);
+  const ExactVector a = scaled(triangle.v0) - org, b = scaled(triangle.v1) - org, c = scaled(triangle.v2) - org;
+  const ExactVector cb = cross(c, b);
+  ExactCrossing result{dot(dir, cb), dot(dir, cross(a, c)), dot(dir, cross(b, a)), 0, dot(a, cb)};
+  result.det = result.u + result.v + result.w;
+  return result;
+}
+
+bool has_zero_area(const Triangle& triangle) {
+  const DoubleVector e1 = difference(triangle.v1, triangle.v0), e2 = difference(triangle.v2, triangle.v0);
+  const BoundedCross n(e1, e2);
+  const auto differs = [](double value, double permanent) { return std::abs(value) > kFilterError * permanent; };
+  if (differs(n.value.x, n.permanent.x) || differs(n.value.y, n.permanent.y) || differs(n.value.z, n.permanent.z)) return false;
+  const ExactVector v0 = scaled(triangle.v0);
+  const ExactVector exact = cross(scaled(triangle.v1) - v0, scaled(triangle.v2) - v0);
+  return exact[0] == 0 && exact[1] == 0 && exact[2] == 0;
+}
+
+FilteredCrossing filter_crossing(const Ray& ray, const Triangle& triangle) {
+  const DoubleVector dir{ray.dir.x, ray.dir.y, ray.dir.z};
+  const DoubleVector a = difference(triangle.v0, ray.org), b = difference(triangle.v1, ray.org);
+  const DoubleVector c = difference(triangle.v2, ray.org);
+  const BoundedCross cb(c, b);
+  const Bounded u = cb.dot(dir), v = BoundedCross(a, c).dot(dir), w = BoundedCross(b, a).dot(dir);
+
+  // Two proven signs that differ: no. Three that agree: yes. Zeros and near zeros are for exact arithmetic.
+  const int positive = (u.value > u.error) + (v.value > v.error) + (w.value > w.error);
+  const int negative = (u.value < -u.error) + (v.value < -v.error) + (w.value < -w.error);
+  if (positive > 0 && negative > 0) return {Decision::no};
+  if (positive < 3 && negative < 3) return {Decision::unknown};
+
+  // With |num - n| <= e and |det - m| <= f: |num / det - n / m| <= (e + |n / m| f) / (|m| - f), and a few roundings.
+  const Bounded num = cb.dot(a);
+  const double det = u.value + v.value + w.value;
+  const double det_error = (u.error + v.error + w.error) * (1 + 0x1p-40) + 0x1p-51 * std::abs(det);
+  if (!(std::abs(det) > det_error))
+    return {Decision::yes, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  const double t = num.value / det;
+  const double radius =
+      (num.error + std::abs(t) * det_error) / (std::abs(det) - det_error) * (1 + 0x1p-40) + 0x1p-51 * std::abs(t);
+  return {Decision::yes, t - radius, t + radius};
+}
+
+}  // namespace accel::validation

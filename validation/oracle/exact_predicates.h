@@ -1,0 +1,73 @@
+// Where the line of a ray meets a triangle, without rounding.
+//
+// A float is an integer times 2^-149, so every quantity of a ray-triangle test is an integer (or a quotient of two) and has one
+// true value. With a, b, c the vertices relative to the origin and d the direction, the scalar triple products
+//
+//   u = d . (c x b),   v = d . (a x c),   w = d . (b x a),   det = u + v + w,   num = a . (c x b)
+//
+// say all: the line meets the closed triangle iff det != 0 and no two of u, v, w have different signs; the point is
+// (u a + v b + w c) / det, at t = num / det. det is -d . n for the normal n = (b - a) x (c - a), so that lines in the plane of
+// the triangle and triangles without an area meet nothing.
+//
+// Two stages. filter_crossing() evaluates in double and knows how wrong it may be. Differences of floats round once (relative
+// error 2^-53), then a monomial passes two differences, three products' and subtractions' roundings and two of the sum: at most
+// gamma(7) times the permanent, the sum of the monomials' magnitudes. The permanent is itself computed with such an error; 16 *
+// 2^-53 covers both. No product over- or underflows: three floats in range, or the smallest of floats, stay between 2^-447 and
+// 2^190. exact_crossing() evaluates in integers when the filter cannot tell.
+//
+// Widths: coordinates in range (|x| < 2^61) are integers below 2^210, their differences below 2^211, triple products below
+// 2^637; comparing two quotients takes products below 2^1274. ExactInt holds 1344 bits and never truncates.
+//
+// Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", has the idea of the
+// filter.
+#pragma once
+
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "libaccel/core/ray.h"
+#include "libaccel/geometry/triangle_mesh.h"
+
+namespace accel::validation {
+
+using ExactInt =
+    boost::multiprecision::number<boost::multiprecision::cpp_int_backend<1344, 1344, boost::multiprecision::signed_magnitude,
+                                                                         boost::multiprecision::unchecked, void>,
+                                  boost::multiprecision::et_off>;
+
+// num / den with den > 0; not reduced.
+struct ExactRatio {
+  ExactInt num, den;
+};
+
+// The sign of a - b. `b` is finite.
+int compare(const ExactRatio& a, const ExactRatio& b);
+int compare(const ExactRatio& a, float b);
+
+// The nearest double but for a relative error of 2^-52. Ratios too small for a double become 0, too large infinity.
+double to_double(const ExactRatio& a);
+
+// The numbers named above, in units of 2^-447.
+struct ExactCrossing {
+  ExactInt u, v, w, det, num;
+
+  bool meets() const;                           // whether the line meets the closed triangle
+  ExactRatio t() const;                         // only if det != 0
+  ExactRatio weight(const ExactInt& of) const;  // of / det; only if det != 0
+};
+
+// All coordinates are in range.
+ExactCrossing exact_crossing(const Ray& ray, const Triangle& triangle);
+
+// Whether the three vertices lie on one line. All coordinates are in range.
+bool has_zero_area(const Triangle& triangle);
+
+enum class Decision : std::uint8_t { no, yes, unknown };
+
+// What double precision can prove. When the line meets the triangle, t lies in [t_lo, t_hi].
+struct FilteredCrossing {
+  Decision meets = Decision::unknown;
+  double t_lo = 0, t_hi = 0;
+};
+FilteredCrossing filter_crossing(const Ray& ray, const Triangle& triangle);
+
+}  // namespace accel::validation
