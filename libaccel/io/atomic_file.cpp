@@ -1,0 +1,150 @@
+#include "libaccel/io/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <utility>
+
+namespace accel {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error system_error(const fs::path& path, const char* what, int error_number) {
+  return Error{path.string() + ": " + what + ": " + std::strerror(error_number)};
+}
+
+// A name beside `target`: hidden, unlikely to be taken, and with the target's extension, by which image
+// libraries choose the format.
+fs::path temporary_name(const fs::path& target) {
+  static std::atomic<unsigned> counter{0};
+  const auto ticks = std::chrono::steady_clock::now().time_since_epoch().count();
+  const std::string unique = std::to_string(::getpid()) + "-" + std::to_string(ticks % 1'000'000'000) + "-" +
+                             std::to_string(counter.fetch_add(1, std::memory_order_relaxed));
+  return target.parent_path() / ("." + target.stem().string().substr(0, 100) + ".tmp-" + unique + target.extension().string());
+}
+
+// Creates a file that was not there, with the mode that the user's mask gives. Returns a descriptor, or -1 and errno.
+int create_new(const fs::path& path) { return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+
+}  // namespace
+
+AtomicPath::AtomicPath(fs::path target, fs::path temporary)
+    : target_(std::move(target)), temporary_(std::move(temporary)), pending_(temporary_ != target_) {}
+
+AtomicPath::AtomicPath(AtomicPath&& other) noexcept
+    : target_(std::move(other.target_)),
+      temporary_(std::move(other.temporary_)),
+      pending_(std::exchange(other.pending_, false)) {}
+
+AtomicPath& AtomicPath::operator=(AtomicPath&& other) noexcept {
+  if (this == &other) return *this;
+  discard();
+  target_ = std::move(other.target_);
+  temporary_ = std::move(other.temporary_);
+  pending_ = std::exchange(other.pending_, false);
+  return *this;
+}
+
+AtomicPath::~AtomicPath() { discard(); }
+
+void AtomicPath::discard() noexcept {
+  if (std::exchange(pending_, false)) ::unlink(temporary_.c_str());
+}
+
+Result<AtomicPath> AtomicPath::create(const fs::path& named) {
+  std::error_code ignored;
+  fs::path target = named;
+  if (fs::is_symlink(fs::symlink_status(target, ignored)) && fs::exists(target, ignored))
+    target = fs::canonical(target, ignored);
+  if (target.empty()) target = named;
+
+  const fs::file_status status = fs::status(target, ignored);
+  if (fs::is_directory(status)) return Error{named.string() + ": is a folder"};
+  if (fs::exists(status) && !fs::is_regular_file(status)) return AtomicPath(target, target);
+
+  constexpr int kAttempts = 16;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    fs::path temporary = temporary_name(target);
+    if (const int descriptor = create_new(temporary); descriptor >= 0) {
+      ::close(descriptor);
+      return AtomicPath(target, std::move(temporary));
+    }
+    if (errno != EEXIST) break;
+  }
+  return system_error(named, "cannot write here", errno);
+}
+
+Status AtomicPath::commit() {
+  if (!pending_) return Done{};
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    const int error_number = errno;
+    discard();
+    return system_error(target_, "cannot be replaced", error_number);
+  }
+  pending_ = false;
+  return Done{};
+}
+
+AtomicFile::AtomicFile(AtomicPath path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
+  if (this == &other) return *this;
+  close();
+  path_ = std::move(other.path_);
+  descriptor_ = std::exchange(other.descriptor_, -1);
+  return *this;
+}
+
+AtomicFile::~AtomicFile() { close(); }
+
+void AtomicFile::close() noexcept {
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+}
+
+Result<AtomicFile> AtomicFile::create(const fs::path& target) {
+  Result<AtomicPath> path = AtomicPath::create(target);
+  if (!path) return path.error();
+  const int descriptor = ::open(path->path().c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return system_error(target, "cannot write", errno);
+  return AtomicFile(*std::move(path), descriptor);
+}
+
+Status AtomicFile::write(std::span<const std::byte> bytes) {
+  // Linux writes 2 GiB at most in one call.
+  constexpr std::size_t kLargestWrite = std::size_t{1} << 30;
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), std::min(bytes.size(), kLargestWrite));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return system_error(path_.target(), "cannot write", errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return Done{};
+}
+
+Status AtomicFile::write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
+
+Status AtomicFile::commit(Durable durable) {
+  if (durable == Durable::yes && ::fsync(descriptor_) != 0) return system_error(path_.target(), "cannot write", errno);
+  // A full disk or a lost server may be reported only here.
+  if (::close(std::exchange(descriptor_, -1)) != 0) return system_error(path_.target(), "cannot write", errno);
+  return path_.commit();
+}
+
+Status write_file(const fs::path& target, std::string_view contents) {
+  Result<AtomicFile> file = AtomicFile::create(target);
+  if (!file) return file.error();
+  if (Status written = file->write(contents); !written) return written;
+  return file->commit();
+}
+
+}  // namespace accel

@@ -1,0 +1,41 @@
+#include "libaccel/io/load_mesh.h"
+
+#include <algorithm>
+#include <cctype>
+#include <new>
+#include <string>
+
+#include "libaccel/io/input_bytes.h"
+#include "libaccel/io/obj.h"
+#include "libaccel/io/ply.h"
+
+namespace accel {
+namespace {
+
+using Parser = Result<TriangleMesh> (*)(std::span<const std::byte>, const std::string&, const LoadOptions&);
+
+// By the name's ending, in front of .zst where it has that; null for other names.
+Parser parser_for(const std::filesystem::path& path) {
+  const std::filesystem::path inner = is_zstd_name(path) ? path.stem() : path;
+  std::string extension = inner.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".obj" ? parse_obj : extension == ".ply" ? parse_ply : nullptr;
+}
+
+}  // namespace
+
+bool is_mesh_file_name(const std::filesystem::path& path) { return parser_for(path) != nullptr; }
+
+Result<TriangleMesh> load_mesh(const std::filesystem::path& path, const LoadOptions& options) {
+  const std::string name = path.string();
+  const Parser parse = parser_for(path);
+  if (parse == nullptr) return Error{name + ": is not named like a scene: .obj, .ply, .obj.zst and .ply.zst can be read"};
+  try {
+    const Result<InputBytes> input = read_input(path, options.progress);
+    return input ? parse(input->bytes, name, options) : input.error();
+  } catch (const std::bad_alloc&) {
+    return Error{name + ": not enough memory to load it"};
+  }
+}
+
+}  // namespace accel

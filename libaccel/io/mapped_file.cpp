@@ -1,0 +1,50 @@
+#include "libaccel/io/mapped_file.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace accel {
+namespace {
+
+Error system_error(const std::filesystem::path& path, const char* what, int error_number) {
+  return Error{path.string() + ": " + what + ": " + std::strerror(error_number)};
+}
+
+// Closes a descriptor when it leaves the scope; a mapping outlives it.
+struct Descriptor {
+  int value;
+  ~Descriptor() {
+    if (value >= 0) ::close(value);
+  }
+};
+
+}  // namespace
+
+Result<std::shared_ptr<MappedFile>> MappedFile::open(const std::filesystem::path& path) {
+  // O_NONBLOCK: opening a pipe without a writer must not wait.
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  if (file.value < 0) return system_error(path, "cannot open", errno);
+
+  struct stat status;
+  if (::fstat(file.value, &status) != 0) return system_error(path, "cannot read", errno);
+  if (!S_ISREG(status.st_mode)) return Error{path.string() + ": is not a regular file"};
+
+  // There are no empty mappings.
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size == 0) return std::shared_ptr<MappedFile>(new MappedFile(nullptr, 0));
+
+  void* data = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_NORESERVE, file.value, 0);
+  if (data == MAP_FAILED) return system_error(path, "cannot map into memory", errno);
+  return std::shared_ptr<MappedFile>(new MappedFile(static_cast<std::byte*>(data), size));
+}
+
+MappedFile::~MappedFile() {
+  if (data_ != nullptr) ::munmap(data_, size_);
+}
+
+}  // namespace accel

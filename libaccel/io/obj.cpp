@@ -1,0 +1,213 @@
+#include "libaccel/io/obj.h"
+
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <istream>
+#include <optional>
+#include <streambuf>
+#include <string_view>
+
+#include "libaccel/io/face_list.h"
+#include "libaccel/io/progress_ticker.h"
+
+namespace accel {
+namespace {
+
+// Bytes as a stream that can be asked where it is, and ended early.
+class ByteStream : public std::streambuf {
+ public:
+  explicit ByteStream(std::span<const std::byte> bytes) {
+    // The base class wants pointers to non-const; nothing is written through them.
+    char* begin = const_cast<char*>(reinterpret_cast<const char*>(bytes.data()));
+    begin_ = begin, end_ = begin + bytes.size();
+    setg(begin, begin, begin + bytes.size());
+  }
+
+  // No more is read.
+  void stop() {
+    stopped_at_ = gptr();
+    setg(egptr(), egptr(), egptr());
+  }
+
+  double fraction() const { return static_cast<double>(gptr() - begin_) / (end_ - begin_); }
+
+  // The line that was read last, without its end.
+  std::string_view line() const {
+    const char* last = line_end();
+    const char* first = last;
+    while (first > begin_ && !is_line_end(first[-1])) --first;
+    return {first, static_cast<std::size_t>(last - first)};
+  }
+
+  // Where it ends, and the number of the line that ends there, counted from 1.
+  std::size_t line_end_offset() const { return static_cast<std::size_t>(line_end() - begin_); }
+  std::size_t line_number(std::size_t line_end_offset) const {
+    const char* last = begin_ + line_end_offset;
+    std::size_t number = 1;
+    for (const char* c = begin_; c < last; ++c) number += *c == '\n' || (*c == '\r' && c[1] != '\n');
+    return number;
+  }
+
+ private:
+  static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+  const char* line_end() const {
+    const char* last = stopped_at_ != nullptr ? stopped_at_ : gptr();
+    if (last > begin_ && last[-1] == '\n') --last;
+    if (last > begin_ && last[-1] == '\r') --last;
+    return last;
+  }
+
+  const char* begin_;
+  const char* end_;
+  const char* stopped_at_ = nullptr;
+};
+
+// The next word of a line; empty at the end or at a comment.
+std::string_view next_word(std::string_view& line) {
+  const std::size_t first = std::min(line.find_first_not_of(" \t"), line.size());
+  line.remove_prefix(first);
+  if (line.starts_with('#')) return {};
+  const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+// Whether the word is digits and signs, between slashes, and no number in it overflows.
+bool is_corner(std::string_view word) {
+  int digits = 0;
+  for (const char c : word) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit && c != '/' && c != '-' && c != '+') return false;
+    digits = digit ? digits + 1 : 0;
+    if (digits > 9) return false;
+  }
+  return true;
+}
+
+class ObjReader {
+ public:
+  ObjReader(std::span<const std::byte> bytes, const std::string& name, const Progress& progress)
+      : stream_(bytes), name_(name), ticker_(progress, "read") {}
+
+  Result<TriangleMesh> read();
+
+ private:
+  void vertex(std::array<float, 3> position);
+  void face(std::span<const tinyobj::index_t> corners);
+  std::optional<float> coordinate(float parsed, std::string_view word);
+  void check_for_stop();
+  void fail(const std::string& what);
+
+  ByteStream stream_;
+  const std::string& name_;
+  ProgressTicker ticker_;
+  std::vector<Vec3> vertices_;
+  FaceList faces_;
+  std::vector<std::uint32_t> corners_;  // of one face
+  std::uint32_t largest_ = 0;           // the largest vertex number that a face names before that vertex was read…
+  std::size_t largest_at_ = 0;          // …and where the line of that face ends
+  bool has_faces_ = false;
+  std::size_t lines_ = 0;
+  std::optional<Error> error_;
+};
+
+void ObjReader::fail(const std::string& what) {
+  if (error_) return;
+  error_ = Error{name_ + ":" + std::to_string(stream_.line_number(stream_.line_end_offset())) + ": " + what};
+  stream_.stop();
+}
+
+void ObjReader::check_for_stop() {
+  constexpr std::size_t kLinesBetweenTicks = 4096;
+  if (++lines_ % kLinesBetweenTicks != 0 || ticker_.tick(stream_.fraction())) return;
+  error_ = Error{std::string(kInterrupted)};
+  stream_.stop();
+}
+
+// tinyobjloader reads 0 where there is no number, and stops at the first character that does not belong to one.
+std::optional<float> ObjReader::coordinate(float parsed, std::string_view word) {
+  const bool plain = word.find_first_not_of("0123456789+-.eE") == std::string_view::npos;
+  if (plain && parsed != 0) return parsed;
+
+  float value = 0;
+  const char* end = word.data() + word.size();
+  const auto [rest, status] = std::from_chars(word.data() + word.starts_with('+'), end, value);
+  if (status == std::errc::result_out_of_range) return parsed;
+  if (status == std::errc() && rest == end) return value;
+  fail(word.empty() ? "a vertex needs three numbers" : "'" + std::string(word.substr(0, 40)) + "' is not a number");
+  return std::nullopt;
+}
+
+void ObjReader::vertex(std::array<float, 3> position) {
+  if (error_) return;
+  std::string_view line = stream_.line();
+  next_word(line);
+  for (float& value : position) {
+    const std::optional<float> checked = coordinate(value, next_word(line));
+    if (!checked) return;
+    value = *checked;
+  }
+  vertices_.push_back({position[0], position[1], position[2]});
+  check_for_stop();
+}
+
+void ObjReader::face(std::span<const tinyobj::index_t> corners) {
+  if (error_) return;
+  std::string_view line = stream_.line();
+  next_word(line);
+  corners_.clear();
+  for (const tinyobj::index_t& corner : corners) {
+    const std::string_view word = next_word(line);
+    if (word.empty()) break;
+    if (!is_corner(word)) return fail("'" + std::string(word.substr(0, 40)) + "' is not a face's corner");
+
+    const auto count = static_cast<std::int64_t>(vertices_.size());
+    const std::int64_t number = corner.vertex_index < 0 ? count + corner.vertex_index + 1 : corner.vertex_index;
+    if (number < 1)
+      return fail("a face names vertex " + std::to_string(corner.vertex_index) + " of " + std::to_string(count) +
+                  " (vertices are counted from 1, or back from -1)");
+    if (number > count && number > largest_) {
+      largest_ = static_cast<std::uint32_t>(number);
+      largest_at_ = stream_.line_end_offset();
+    }
+    corners_.push_back(static_cast<std::uint32_t>(number - 1));
+  }
+  has_faces_ = true;
+  faces_.add(corners_);
+  check_for_stop();
+}
+
+Result<TriangleMesh> ObjReader::read() {
+  tinyobj::callback_t callbacks;
+  callbacks.vertex_cb = [](void* self, float x, float y, float z, float) { static_cast<ObjReader*>(self)->vertex({x, y, z}); };
+  callbacks.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
+    static_cast<ObjReader*>(self)->face({corners, static_cast<std::size_t>(count)});
+  };
+  std::istream input(&stream_);
+  tinyobj::LoadObjWithCallback(input, callbacks, this);
+  if (error_) return *error_;
+
+  if (largest_ > vertices_.size())
+    return Error{name_ + ":" + std::to_string(stream_.line_number(largest_at_)) + ": a face names vertex " +
+                 std::to_string(largest_) + ", but the file has " + std::to_string(vertices_.size())};
+  if (vertices_.empty() && !has_faces_) return Error{name_ + ": has neither vertices nor faces; is it an OBJ file?"};
+
+  TriangleMesh mesh;
+  mesh.vertices = Buffer<Vec3>::copy_of(vertices_);
+  Result<Buffer<IndexTriple>> triangles = faces_.triangulate({}, vertices_, name_);
+  if (!triangles) return triangles.error();
+  mesh.triangles = *std::move(triangles);
+  return mesh;
+}
+
+}  // namespace
+
+Result<TriangleMesh> parse_obj(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options) {
+  return ObjReader(bytes, name, options.progress).read();
+}
+
+}  // namespace accel
