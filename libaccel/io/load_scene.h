@@ -1,0 +1,12 @@
+// A scene file together with the cameras and the light that stand beside it.
+#pragma once
+
+#include "libaccel/geometry/scene_data.h"
+#include "libaccel/io/load_mesh.h"
+
+namespace accel {
+
+// load_mesh() and find_scene_description() (io/scene_description.h) of one file.
+Result<SceneData> load_scene(const std::filesystem::path& path, const LoadOptions& options = {});
+
+}  // namespace accel
