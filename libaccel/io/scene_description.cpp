@@ -44,14 +44,16 @@ class JsonReader {
 
   // Only the throwing parser says where the mistake is.
   std::string syntax_error(std::string_view text) const {
+    std::size_t at = 0;
     try {
-      (void)Json::parse(text);
+      [[maybe_unused]] const Json parsed = Json::parse(text);
     } catch (const Json::parse_error& error) {
-      const std::size_t at = std::min(error.byte, text.size());
-      const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-      return name_ + ":" + std::to_string(line) + ": is not valid JSON";
+      at = std::min(error.byte, text.size());
+    } catch (const Json::exception&) {
+      return name_ + ": holds a number that is too large";
     }
-    return name_ + ": is not valid JSON";
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+    return name_ + ":" + std::to_string(line) + ": is not valid JSON";
   }
 
   bool check_keys(const Json& object, std::initializer_list<std::string_view> known) {

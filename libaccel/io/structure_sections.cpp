@@ -1,0 +1,144 @@
+#include "libaccel/io/structure_sections.h"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "libaccel/io/scene_description.h"
+
+namespace accel {
+namespace {
+
+using Json = nlohmann::json;
+
+Json to_json(Vec3 v) { return {v.x, v.y, v.z}; }
+
+Json to_json(const CameraDescription& camera) {
+  return {{"name", camera.name},
+          {"eye", to_json(camera.eye)},
+          {"at", to_json(camera.at)},
+          {"up", to_json(camera.up)},
+          {"vfov", camera.vfov_degrees}};
+}
+
+Json to_json(const LightDescription& light) {
+  return {{"center", to_json(light.center)}, {"half_u", to_json(light.half_u)}, {"half_v", to_json(light.half_v)}};
+}
+
+// JSON has no word for numbers that are not finite: they are kept as null, and come back as NaN.
+bool read_statistics(const Json& object, std::map<std::string, double>& out) {
+  if (!object.is_object()) return false;
+  for (const auto& [key, value] : object.items()) {
+    if (!value.is_number() && !value.is_null()) return false;
+    out[key] = value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+  }
+  return true;
+}
+
+bool read_options(const Json& object, std::map<std::string, std::string>& out) {
+  if (!object.is_object()) return false;
+  for (const auto& [key, value] : object.items()) {
+    if (!value.is_string()) return false;
+    out[key] = value.get<std::string>();
+  }
+  return true;
+}
+
+bool read_text(const Json& object, const char* key, std::string& out) {
+  if (!object.contains(key) || !object[key].is_string()) return false;
+  out = object[key].get<std::string>();
+  return true;
+}
+
+// The words of a Bvh2 that are no arrays.
+struct Bvh2Words {
+  NodeRef root;
+  std::uint32_t depth;
+  std::uint64_t references;
+  Aabb bounds;
+};
+static_assert(sizeof(Bvh2Words) == 40 && std::is_trivially_copyable_v<Bvh2Words>);
+
+// Moves an array out of the file into `out`.
+template <class T>
+Status take(const AccelFile& file, std::string_view name, Buffer<T>& out) {
+  Result<Buffer<T>> values = file.array<T>(name);
+  if (!values) return values.error();
+  out = *std::move(values);
+  return Done{};
+}
+
+// An error of validate() as an error of the file.
+Status in_file(const AccelFile& file, const Status& status) {
+  return status ? status : Status(file.error({}, "holds a damaged structure: " + status.message()));
+}
+
+}  // namespace
+
+void write_sections(AccelFileWriter& writer, const AccelMetadata& metadata) {
+  Json root = {{"structure", metadata.structure}, {"builder", metadata.builder},       {"scene", metadata.scene},
+               {"options", metadata.options},     {"statistics", metadata.statistics}, {"view", Json::object()}};
+  for (const CameraDescription& camera : metadata.cameras) root["view"]["cameras"].push_back(to_json(camera));
+  if (metadata.light) root["view"]["light"] = to_json(*metadata.light);
+  // File names need not be UTF-8.
+  writer.add_text("metadata", root.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+Status read_sections(const AccelFile& file, AccelMetadata& metadata) {
+  const Result<std::string> text = file.text("metadata");
+  if (!text) return text.error();
+  const Json root = Json::parse(*text, nullptr, false);
+  const bool good =
+      root.is_object() && read_text(root, "structure", metadata.structure) && read_text(root, "builder", metadata.builder) &&
+      read_text(root, "scene", metadata.scene) && root.contains("options") && read_options(root["options"], metadata.options) &&
+      root.contains("statistics") && read_statistics(root["statistics"], metadata.statistics) && root.contains("view");
+  if (!good) return file.error("metadata", "is not what this version writes");
+
+  // Cameras and light have the form of a scene's sidecar.
+  Result<SceneDescription> view = parse_scene_json(root["view"].dump(), file.path().string());
+  if (!view) return view.error();
+  metadata.cameras = std::move(view->cameras);
+  metadata.light = view->light;
+  return Done{};
+}
+
+void write_sections(AccelFileWriter& writer, const TriangleMesh& mesh) {
+  writer.add("mesh.vertices", mesh.vertices);
+  writer.add("mesh.triangles", mesh.triangles);
+}
+
+Status read_sections(const AccelFile& file, TriangleMesh& mesh) {
+  if (Status status = take(file, "mesh.vertices", mesh.vertices); !status) return status;
+  if (Status status = take(file, "mesh.triangles", mesh.triangles); !status) return status;
+  return in_file(file, validate(mesh));
+}
+
+void write_sections(AccelFileWriter& writer, const Bvh2& bvh) {
+  writer.add_value("bvh2.words", Bvh2Words{bvh.root, bvh.depth, bvh.references, bvh.bounds});
+  writer.add("bvh2.nodes", bvh.nodes);
+  writer.add("bvh2.leaves", bvh.leaves);
+}
+
+Status read_sections(const AccelFile& file, Bvh2& bvh) {
+  const Result<Bvh2Words> words = file.value<Bvh2Words>("bvh2.words");
+  if (!words) return words.error();
+  bvh.root = words->root;
+  bvh.depth = words->depth;
+  bvh.references = words->references;
+  bvh.bounds = words->bounds;
+  if (Status status = take(file, "bvh2.nodes", bvh.nodes); !status) return status;
+  if (Status status = take(file, "bvh2.leaves", bvh.leaves); !status) return status;
+  return in_file(file, validate(bvh, triangle_count(file)));
+}
+
+void write_sections(AccelFileWriter& writer, const TriangleList& list) { writer.add("list.leaves", list.leaves); }
+
+Status read_sections(const AccelFile& file, TriangleList& list) {
+  if (Status status = take(file, "list.leaves", list.leaves); !status) return status;
+  return in_file(file, validate(list, triangle_count(file)));
+}
+
+std::uint64_t triangle_count(const AccelFile& file) { return file.count("mesh.triangles"); }
+
+}  // namespace accel
