@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libaccel/core/counter_rng.h"
 #include "libaccel/exec/cpu.h"
 
 namespace accel::validation {
@@ -21,14 +22,6 @@ struct Judgement {
 double ulp(double t) {
   const int exponent = std::max(std::ilogb(std::abs(t)), -126);
   return t == 0 ? 0x1p-149 : std::ldexp(1.0, exponent - 23);
-}
-
-// A uniform number in [0, 1) for a ray: the finalizer of splitmix64 (Steele, Lea and Flood 2014).
-double uniform(std::uint64_t seed, std::uint64_t ray) {
-  std::uint64_t z = seed + (ray + 1) * 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
 // `count` of the values, evenly spread.
@@ -72,7 +65,7 @@ class Comparison {
     for (std::size_t i = 0; i < answers_.size(); ++i) {
       if (!agrees_[i]) {
         chosen_.push_back(i);
-      } else if (uniform(options_.seed, i) < options_.sample_share) {
+      } else if (CounterRng(options_.seed, i).next_double() < options_.sample_share) {
         sample.push_back(i);
       }
     }

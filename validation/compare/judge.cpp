@@ -37,6 +37,7 @@ Verdict Judge::judge_hit(const Ray& ray, const Hit& hit, const ExactHit& exact) 
   const RayFrame frame(ray);
   const TriangleBounds bounds(frame, mesh().triangle(hit.prim_id));
   const bool behind = exact.valid() && hit.t > exact.t;
+  if (!bounds.possible) return Verdict::false_hit;
   if (!bounds.allows(hit.t)) return behind ? Verdict::far : Verdict::false_hit;
   if (exact.contains(hit.prim_id)) return Verdict::right;
 

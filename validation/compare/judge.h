@@ -10,8 +10,9 @@
 //   or
 //              a hit behind t*, where a watertight test may miss: see below.
 //   miss       no hit where a watertight test must find one.
-//   far        a hit behind a hit that a watertight test must find; or one whose t is beyond t* and beyond its primitive's
-//   bound. false      a hit on a primitive that the ray does not pass within its bound, or outside the ray's interval.
+//   far        a hit behind a hit that a watertight test must find; or one whose t is beyond t* and outside its bound.
+//   false      a hit on a primitive that the ray does not pass within its bound; or one whose t is not beyond t* and outside its
+//              bound; or one outside the ray's interval.
 //
 // miss, far and false are failures.
 //
