@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "libaccel/build/build_context.h"
-#include "libaccel/build/float4.h"
 #include "libaccel/core/buffer.h"
+#include "libaccel/core/float4.h"
 
 namespace accel {
 

@@ -1,4 +1,4 @@
-// Four floats for the builders' inner loops: a point or a corner of a box in the first three lanes, zero in the fourth.
+// Four floats for inner loops that work on boxes: a point or a corner of a box in the first three lanes, zero in the fourth.
 //
 // Float4Sse uses SSE2, which every x86-64 machine has; Float4Scalar is its portable twin with the same bits, which a test
 // compares. The fourth lane is cleared on load: references keep an integer there, which as a float may be denormal and slow to
@@ -23,6 +23,12 @@ struct Float4Scalar {
   // `p` is 16-byte aligned, and 16 bytes can be read there.
   static Float4Scalar load_xyz(const Vec3& p) { return {{p.x, p.y, p.z, 0.0f}}; }
   Vec3 xyz() const { return {v[0], v[1], v[2]}; }
+  // This with `value` in one lane.
+  Float4Scalar with_lane(int lane, float value) const {
+    Float4Scalar result = *this;
+    result.v[lane] = value;
+    return result;
+  }
   Float4Scalar yzx() const { return {{v[1], v[2], v[0], v[3]}}; }
   float sum_xyz() const { return (v[0] + v[1]) + v[2]; }
   // Lane by lane, towards zero; the lanes are within the range of int32.
@@ -51,6 +57,8 @@ inline Float4Scalar min_of(Float4Scalar a, Float4Scalar b) {
 inline Float4Scalar max_of(Float4Scalar a, Float4Scalar b) {
   return per_lane(a, b, [](float x, float y) { return max_of(x, y); });
 }
+// Whether a <= b in each of the first three lanes; false for NaN.
+inline bool xyz_less_equal(Float4Scalar a, Float4Scalar b) { return a.v[0] <= b.v[0] && a.v[1] <= b.v[1] && a.v[2] <= b.v[2]; }
 
 #if defined(__SSE2__)
 struct Float4Sse {
@@ -60,6 +68,11 @@ struct Float4Sse {
   static Float4Sse of(const Vec3& p) { return {_mm_set_ps(0.0f, p.z, p.y, p.x)}; }
   static Float4Sse load_xyz(const Vec3& p) {
     return {_mm_and_ps(_mm_load_ps(&p.x), _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1)))};
+  }
+  Float4Sse with_lane(int lane, float value) const {
+    const __m128i here = _mm_cmpeq_epi32(_mm_set_epi32(3, 2, 1, 0), _mm_set1_epi32(lane));
+    const __m128 mask = _mm_castsi128_ps(here);
+    return {_mm_or_ps(_mm_and_ps(mask, _mm_set1_ps(value)), _mm_andnot_ps(mask, v))};
   }
   Vec3 xyz() const {
     alignas(16) float lanes[4];
@@ -78,6 +91,7 @@ inline Float4Sse operator-(Float4Sse a, Float4Sse b) { return {_mm_sub_ps(a.v, b
 inline Float4Sse operator*(Float4Sse a, Float4Sse b) { return {_mm_mul_ps(a.v, b.v)}; }
 inline Float4Sse min_of(Float4Sse a, Float4Sse b) { return {_mm_min_ps(a.v, b.v)}; }
 inline Float4Sse max_of(Float4Sse a, Float4Sse b) { return {_mm_max_ps(a.v, b.v)}; }
+inline bool xyz_less_equal(Float4Sse a, Float4Sse b) { return (_mm_movemask_ps(_mm_cmple_ps(a.v, b.v)) & 7) == 7; }
 using Float4 = Float4Sse;
 #else
 using Float4 = Float4Scalar;
@@ -88,6 +102,7 @@ struct Box4 {
   Float4 lo = Float4::splat(std::numeric_limits<float>::infinity());
   Float4 hi = Float4::splat(-std::numeric_limits<float>::infinity());
 
+  bool empty() const { return !xyz_less_equal(lo, hi); }
   void extend(Float4 p) { lo = min_of(p, lo), hi = max_of(p, hi); }
   void extend(const Box4& b) { lo = min_of(b.lo, lo), hi = max_of(b.hi, hi); }
   // Half the surface area in units of 1 / scale^2; 0 for an empty box.
@@ -96,6 +111,9 @@ struct Box4 {
     return (e * e.yzx()).sum_xyz();
   }
   Aabb aabb() const { return {lo.xyz(), hi.xyz()}; }
+  static Box4 of(const Aabb& b) { return {Float4::of(b.lo), Float4::of(b.hi)}; }
 };
+
+inline Box4 intersection(const Box4& a, const Box4& b) { return {max_of(a.lo, b.lo), min_of(a.hi, b.hi)}; }
 
 }  // namespace accel
