@@ -12,17 +12,24 @@ constexpr double kFilterError = 16.0 * 0x1p-53;
 
 using ExactVector = std::array<ExactInt, 3>;
 
-// f * 2^149.
-ExactInt scaled(float f) {
-  int exponent = 0;
-  const float fraction = std::frexp(f, &exponent);
-  const auto mantissa = static_cast<std::int64_t>(std::ldexp(fraction, 24));
-  const int shift = exponent - 24 + 149;
-  const ExactInt value(mantissa);
-  return shift >= 0 ? value << shift : value >> -shift;
+constexpr int kLeastExponent = -149;  // of floats: all are multiples of 2^-149
+
+// The largest e for which all components are multiples of 2^e without looking at trailing zeros; `e` if that is less.
+int common_exponent(Vec3 v, int e) {
+  for (const float f : {v.x, v.y, v.z}) {
+    if (f != 0) e = std::min(e, std::max(std::ilogb(f) - 23, kLeastExponent));
+  }
+  return e;
 }
 
-ExactVector scaled(Vec3 v) { return {scaled(v.x), scaled(v.y), scaled(v.z)}; }
+// f / 2^exponent, an integer.
+ExactInt scaled(float f, int exponent) {
+  if (f == 0) return 0;
+  const int own = std::max(std::ilogb(f) - 23, kLeastExponent);
+  return ExactInt(static_cast<std::int64_t>(std::ldexp(f, -own))) << (own - exponent);
+}
+
+ExactVector scaled(Vec3 v, int exponent) { return {scaled(v.x, exponent), scaled(v.y, exponent), scaled(v.z, exponent)}; }
 
 ExactVector operator-(const ExactVector& a, const ExactVector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
@@ -76,7 +83,7 @@ struct BoundedCross {
 }  // namespace
 
 int compare(const ExactRatio& a, const ExactRatio& b) { return (a.num * b.den).compare(b.num * a.den); }
-int compare(const ExactRatio& a, float b) { return (a.num << 149).compare(scaled(b) * a.den); }
+int compare(const ExactRatio& a, float b) { return (a.num << -kLeastExponent).compare(scaled(b, kLeastExponent) * a.den); }
 
 double to_double(const ExactRatio& a) {
   if (a.num == 0) return 0.0;
@@ -91,17 +98,27 @@ bool ExactCrossing::meets() const {
   return !mixed && det != 0;
 }
 
-ExactRatio ExactCrossing::t() const { return weight(num); }
+ExactRatio ExactCrossing::t() const {
+  ExactRatio t = weight(num);
+  (t_exponent >= 0 ? t.num : t.den) <<= std::abs(t_exponent);
+  return t;
+}
 
 ExactRatio ExactCrossing::weight(const ExactInt& of) const {
   return det < 0 ? ExactRatio{ExactInt(-of), ExactInt(-det)} : ExactRatio{of, det};
 }
 
 ExactCrossing exact_crossing(const Ray& ray, const Triangle& triangle) {
-  const ExactVector org = scaled(ray.org), dir = scaled(ray.dir);
-  const ExactVector a = scaled(triangle.v0) - org, b = scaled(triangle.v1) - org, c = scaled(triangle.v2) - org;
+  constexpr int kLarge = std::numeric_limits<float>::max_exponent;
+  int unit = common_exponent(ray.org, kLarge);
+  for (const Vec3 v : {triangle.v0, triangle.v1, triangle.v2}) unit = common_exponent(v, unit);
+  const int dir_unit = common_exponent(ray.dir, kLarge);
+
+  const ExactVector org = scaled(ray.org, unit), dir = scaled(ray.dir, dir_unit);
+  const ExactVector a = scaled(triangle.v0, unit) - org, b = scaled(triangle.v1, unit) - org;
+  const ExactVector c = scaled(triangle.v2, unit) - org;
   const ExactVector cb = cross(c, b);
-  ExactCrossing result{dot(dir, cb), dot(dir, cross(a, c)), dot(dir, cross(b, a)), 0, dot(a, cb)};
+  ExactCrossing result{dot(dir, cb), dot(dir, cross(a, c)), dot(dir, cross(b, a)), 0, dot(a, cb), unit - dir_unit};
   result.det = result.u + result.v + result.w;
   return result;
 }
@@ -111,8 +128,8 @@ bool has_zero_area(const Triangle& triangle) {
   const BoundedCross n(e1, e2);
   const auto differs = [](double value, double permanent) { return std::abs(value) > kFilterError * permanent; };
   if (differs(n.value.x, n.permanent.x) || differs(n.value.y, n.permanent.y) || differs(n.value.z, n.permanent.z)) return false;
-  const ExactVector v0 = scaled(triangle.v0);
-  const ExactVector exact = cross(scaled(triangle.v1) - v0, scaled(triangle.v2) - v0);
+  const ExactVector v0 = scaled(triangle.v0, kLeastExponent);
+  const ExactVector exact = cross(scaled(triangle.v1, kLeastExponent) - v0, scaled(triangle.v2, kLeastExponent) - v0);
   return exact[0] == 0 && exact[1] == 0 && exact[2] == 0;
 }
 

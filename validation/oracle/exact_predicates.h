@@ -16,7 +16,8 @@
 // 2^190. exact_crossing() evaluates in integers when the filter cannot tell.
 //
 // Widths: coordinates in range (|x| < 2^61) are integers below 2^210, their differences below 2^211, triple products below
-// 2^637; comparing two quotients takes products below 2^1274. ExactInt holds 1344 bits and never truncates.
+// 2^637; comparing two quotients takes products below 2^1274. ExactInt holds 1344 bits and never truncates. Most numbers are
+// far shorter: points and directions are counted in the largest powers of two that will do, since time goes with length.
 //
 // Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", has the idea of the
 // filter.
@@ -46,9 +47,10 @@ int compare(const ExactRatio& a, float b);
 // The nearest double but for a relative error of 2^-52. Ratios too small for a double become 0, too large infinity.
 double to_double(const ExactRatio& a);
 
-// The numbers named above, in units of 2^-447.
+// The numbers named above: u, v, w and det in one unit, num in another, so that t = num / det * 2^t_exponent.
 struct ExactCrossing {
   ExactInt u, v, w, det, num;
+  int t_exponent;
 
   bool meets() const;                           // whether the line meets the closed triangle
   ExactRatio t() const;                         // only if det != 0
