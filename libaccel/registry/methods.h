@@ -7,6 +7,7 @@
 #include <string>
 
 #include "libaccel/build/binned_sah.h"
+#include "libaccel/build/sbvh.h"
 #include "libaccel/build/triangle_list.h"
 #include "libaccel/core/type_list.h"
 #include "libaccel/geometry/moeller_trumbore.h"
@@ -30,7 +31,8 @@ struct Method {
 
 using Methods = TypeList<        //
     Method<ListBuilder, BruteForce>,  // brute/loop
-    Method<BinnedSah, Bvh2Stack>      // bvh/stack
+    Method<BinnedSah, Bvh2Stack>,     // bvh/stack
+    Method<Sbvh, Bvh2Stack>           // sbvh/stack
     >;
 
 // The first is the default.
