@@ -1,6 +1,5 @@
-# Every public header compiles by itself, and twice: one translation unit a header. Device headers need nvcc.
+# Every public header compiles by itself, and twice: one translation unit a header.
 file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/libaccel/*.h")
-list(FILTER headers EXCLUDE REGEX "^libaccel/exec/cuda/")
 
 set(units)
 foreach(header IN LISTS headers)

@@ -1,0 +1,230 @@
+#include "libaccel/exec/cuda/device_accel.h"
+
+#include <algorithm>
+#include <any>
+#include <array>
+#include <type_traits>
+#include <vector>
+
+#include "libaccel/core/suggest.h"
+#include "libaccel/exec/cuda/device_memory.cuh"
+#include "libaccel/exec/cuda/trace_kernel.cuh"
+#include "libaccel/exec/cuda/upload.cuh"
+
+namespace accel {
+
+namespace {
+
+using cuda::DeviceArray;
+using cuda::DeviceEvent;
+
+// What a launch works on. The view is a Traverser::View, with pointers to device memory.
+struct Launch {
+  const std::any& view;
+  LaunchPolicy policy;
+  const Ray* rays;
+  std::uint32_t ray_count;
+  Hit* hits;               // for closest
+  std::uint8_t* occluded;  // for any
+  std::uint32_t* next_ray;
+};
+
+using LaunchFunction = Status (*)(const Launch&);
+
+constexpr unsigned blocks_for(std::uint32_t threads) { return (threads + cuda::kBlockSize - 1) / cuda::kBlockSize; }
+
+// As many blocks as run at the same time, but no more than there are rays for.
+template <class Kernel>
+Result<unsigned> resident_blocks(Kernel kernel, std::uint32_t ray_count) {
+  int device = 0, multiprocessors = 0, blocks_each = 0;
+  ACCEL_CUDA_TRY(cudaGetDevice(&device));
+  ACCEL_CUDA_TRY(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
+  ACCEL_CUDA_TRY(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks_each, kernel, cuda::kBlockSize, 0));
+  return std::min(static_cast<unsigned>(multiprocessors) * static_cast<unsigned>(blocks_each), blocks_for(ray_count));
+}
+
+template <class Traverser, class Store>
+Status launch_with(const Launch& launch, const Store& store) {
+  const auto& view = *std::any_cast<typename Traverser::View>(&launch.view);
+  if (launch.policy == LaunchPolicy::grid) {
+    cuda::trace_kernel<Traverser, cuda::GridWork, Store>
+        <<<blocks_for(launch.ray_count), cuda::kBlockSize>>>(view, launch.rays, {launch.ray_count}, store);
+  } else {
+    const auto kernel = cuda::trace_kernel<Traverser, cuda::PersistentWork, Store>;
+    const Result<unsigned> blocks = resident_blocks(kernel, launch.ray_count);
+    if (!blocks) return blocks.error();
+    kernel<<<*blocks, cuda::kBlockSize>>>(view, launch.rays, {launch.ray_count, launch.next_ray}, store);
+  }
+  ACCEL_CUDA_TRY(cudaGetLastError());
+  return Done{};
+}
+
+template <class Method, class Test, Query kQuery>
+Status launch_trace(const Launch& launch) {
+  using Traverser = typename Method::template Traverser<Test, kQuery>;
+  if constexpr (kQuery == Query::closest)
+    return launch_with<Traverser>(launch, cuda::StoreHits{launch.hits});
+  else
+    return launch_with<Traverser>(launch, cuda::StoreOccluded{launch.occluded});
+}
+
+// The kernels of one method, and how its structure comes to the device.
+struct DeviceMethod {
+  std::string name;
+  const char* structure;
+  bool (*upload)(const AnyStructure&, cuda::Uploader&, std::any& view);    // false: a structure of another kind
+  std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
+};
+
+template <class Method>
+bool upload_structure(const AnyStructure& any, cuda::Uploader& uploader, std::any& view) {
+  const auto* structure = std::get_if<typename Method::Structure>(&any);
+  if (structure == nullptr) return false;
+  view = upload(*structure, uploader);
+  return true;
+}
+
+template <class Method>
+DeviceMethod make_device_method() {
+  DeviceMethod result;
+  result.name = Method::name();
+  result.structure = Method::Structure::kName;
+  result.upload = upload_structure<Method>;
+  std::size_t i = 0;
+  TriangleTests::for_each([&](auto tag) {
+    using Test = typename decltype(tag)::type;
+    result.kernels[i++] = {launch_trace<Method, Test, Query::closest>, launch_trace<Method, Test, Query::any>};
+  });
+  return result;
+}
+
+const std::vector<DeviceMethod>& device_methods() {
+  static const std::vector<DeviceMethod> list = [] {
+    std::vector<DeviceMethod> result;
+    Methods::for_each([&](auto tag) { result.push_back(make_device_method<typename decltype(tag)::type>()); });
+    return result;
+  }();
+  return list;
+}
+
+Result<const DeviceMethod*> find_device_method(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const DeviceMethod& method : device_methods()) {
+    if (method.name == name) return &method;
+    names.push_back(method.name);
+  }
+  return unknown_name("method", name, names);
+}
+
+Result<std::size_t> find_test(std::string_view name) {
+  if (name.empty()) return std::size_t{0};
+  std::vector<std::string_view> names;
+  TriangleTests::for_each([&](auto tag) { names.push_back(decltype(tag)::type::kName); });
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) return unknown_name("triangle test", name, names);
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+// The time of one launch, without the reset of the ray counter before it.
+Result<float> time_launch(LaunchFunction function, const Launch& launch) {
+  ACCEL_CUDA_TRY(cudaMemsetAsync(launch.next_ray, 0, sizeof *launch.next_ray));
+  DeviceEvent start, stop;
+  if (Status s = start.record(); !s) return s.error();
+  if (Status s = function(launch); !s) return s.error();
+  if (Status s = stop.record(); !s) return s.error();
+  return stop.milliseconds_since(start);
+}
+
+}  // namespace
+
+Result<DeviceInfo> cuda_device_info() {
+  int count = 0, device = 0;
+  if (const cudaError_t code = cudaGetDeviceCount(&count); code != cudaSuccess || count == 0) {
+    return Error{"no CUDA device: " + std::string(code == cudaSuccess ? "none is visible" : cudaGetErrorString(code))};
+  }
+  cudaDeviceProp properties;
+  DeviceInfo info;
+  ACCEL_CUDA_TRY(cudaGetDevice(&device));
+  ACCEL_CUDA_TRY(cudaGetDeviceProperties(&properties, device));
+  ACCEL_CUDA_TRY(cudaRuntimeGetVersion(&info.runtime_version));
+  ACCEL_CUDA_TRY(cudaDriverGetVersion(&info.driver_version));
+  info.name = properties.name;
+  info.compute_major = properties.major, info.compute_minor = properties.minor;
+  info.multiprocessors = properties.multiProcessorCount;
+  info.memory_bytes = properties.totalGlobalMem;
+  return info;
+}
+
+struct DeviceBatch::State {
+  DeviceArray<Ray> rays;
+  DeviceArray<Hit> hits;
+  DeviceArray<std::uint8_t> occluded;
+  DeviceArray<std::uint32_t> next_ray;
+};
+
+Result<DeviceBatch> DeviceBatch::upload(std::span<const Ray> rays) {
+  if (const auto device = cuda_device_info(); !device) return device.error();
+  if (rays.size() > kMaxRays) {
+    return Error{std::to_string(rays.size()) + " rays are too many for one batch; trace at most " + std::to_string(kMaxRays)};
+  }
+  auto on_device = DeviceArray<Ray>::copy_of(rays);
+  auto hits = DeviceArray<Hit>::allocate(rays.size());
+  auto occluded = DeviceArray<std::uint8_t>::allocate(rays.size());
+  auto next_ray = DeviceArray<std::uint32_t>::allocate(1);
+  if (!on_device) return on_device.error();
+  if (!hits) return hits.error();
+  if (!occluded) return occluded.error();
+  if (!next_ray) return next_ray.error();
+  return DeviceBatch(
+      std::make_shared<State>(State{std::move(*on_device), std::move(*hits), std::move(*occluded), std::move(*next_ray)}));
+}
+
+std::size_t DeviceBatch::size() const { return state_->rays.size(); }
+Status DeviceBatch::hits(std::span<Hit> hits) const { return state_->hits.copy_to(hits); }
+Status DeviceBatch::occluded(std::span<std::uint8_t> occluded) const { return state_->occluded.copy_to(occluded); }
+
+struct DeviceAccel::State {
+  const DeviceMethod* method;
+  std::any view;
+  std::vector<std::shared_ptr<const void>> copies;  // what the view points to
+  std::size_t bytes;
+};
+
+Result<DeviceAccel> DeviceAccel::upload(const AnyStructure& structure, std::string_view method) {
+  const auto found = find_device_method(method);
+  if (!found) return found.error();
+  if (const auto device = cuda_device_info(); !device) return device.error();
+  cuda::Uploader uploader;
+  std::any view;
+  if (!(*found)->upload(structure, uploader, view)) {
+    return Error{"method " + (*found)->name + " traces structures of kind '" + (*found)->structure + "', and this is a '" +
+                 std::visit([](const auto& s) { return std::string(s.kName); }, structure) + "'"};
+  }
+  if (const Status s = uploader.status(); !s) return s.error();
+  const std::size_t bytes = uploader.bytes();
+  return DeviceAccel(std::make_shared<const State>(State{*found, std::move(view), uploader.take_copies(), bytes}));
+}
+
+Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, const DeviceTraceOptions& options) const {
+  const auto test = find_test(options.test);
+  if (!test) return test.error();
+  if (batch.size() == 0) return DeviceTiming{};
+
+  DeviceBatch::State& b = *batch.state_;
+  const LaunchFunction function = state_->method->kernels[*test][query == Query::any ? 1 : 0];
+  const Launch launch{state_->view,  options.policy,    b.rays.data(),    static_cast<std::uint32_t>(batch.size()),
+                      b.hits.data(), b.occluded.data(), b.next_ray.data()};
+  std::vector<float> times;
+  const int repeat = std::max(options.repeat, 1);
+  for (int i = -std::max(options.warm_up, 0); i < repeat; ++i) {
+    const Result<float> time = time_launch(function, launch);
+    if (!time) return time.error();
+    if (i >= 0) times.push_back(*time);
+  }
+  std::sort(times.begin(), times.end());
+  return DeviceTiming{times[times.size() / 2], times.front(), times.back()};
+}
+
+std::size_t DeviceAccel::size_bytes() const { return state_->bytes; }
+
+}  // namespace accel

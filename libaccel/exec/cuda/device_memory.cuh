@@ -1,0 +1,103 @@
+// Device memory with an owner, and calls of the CUDA run-time with their errors checked.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "libaccel/core/result.h"
+
+namespace accel::cuda {
+
+inline Error cuda_error(cudaError_t code, const char* call) {
+  return Error{"CUDA: " + std::string(cudaGetErrorString(code)) + " (" + cudaGetErrorName(code) + ") in " + call};
+}
+
+// Returns from the enclosing function, which returns a Result, when a call of the run-time fails.
+#define ACCEL_CUDA_TRY(call)                                                                                                   \
+  do {                                                                                                                         \
+    if (const cudaError_t accel_code = (call); accel_code != cudaSuccess) return ::accel::cuda::cuda_error(accel_code, #call); \
+  } while (false)
+
+// An array on the device. Elements are not initialised.
+template <class T>
+class DeviceArray {
+ public:
+  DeviceArray() = default;
+  DeviceArray(DeviceArray&& other) noexcept { swap(other); }
+  DeviceArray& operator=(DeviceArray&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~DeviceArray() {
+    if (data_ != nullptr) cudaFree(data_);
+  }
+
+  static Result<DeviceArray> allocate(std::size_t size) {
+    Result<DeviceArray> array = DeviceArray();
+    if (size == 0) return array;
+    ACCEL_CUDA_TRY(cudaMalloc(&array->data_, size * sizeof(T)));
+    array->size_ = size;
+    return array;
+  }
+
+  static Result<DeviceArray> copy_of(std::span<const T> values) {
+    Result<DeviceArray> array = allocate(values.size());
+    if (!array || values.empty()) return array;
+    ACCEL_CUDA_TRY(cudaMemcpy(array->data_, values.data(), values.size_bytes(), cudaMemcpyHostToDevice));
+    return array;
+  }
+
+  // Copies all elements to the host; the span has this array's size.
+  Status copy_to(std::span<T> values) const {
+    if (values.size() != size_) {
+      return Error{"there are " + std::to_string(size_) + " results on the device, but room for " +
+                   std::to_string(values.size())};
+    }
+    if (size_ != 0) ACCEL_CUDA_TRY(cudaMemcpy(values.data(), data_, values.size_bytes(), cudaMemcpyDeviceToHost));
+    return Done{};
+  }
+
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  void swap(DeviceArray& other) { std::swap(data_, other.data_), std::swap(size_, other.size_); }
+
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+// A point in the device's time.
+class DeviceEvent {
+ public:
+  DeviceEvent() = default;
+  DeviceEvent(const DeviceEvent&) = delete;
+  DeviceEvent& operator=(const DeviceEvent&) = delete;
+  ~DeviceEvent() {
+    if (event_ != nullptr) cudaEventDestroy(event_);
+  }
+
+  Status record() {
+    if (event_ == nullptr) ACCEL_CUDA_TRY(cudaEventCreate(&event_));
+    ACCEL_CUDA_TRY(cudaEventRecord(event_));
+    return Done{};
+  }
+
+  // Waits for this event.
+  Result<float> milliseconds_since(const DeviceEvent& start) const {
+    float elapsed = 0;
+    ACCEL_CUDA_TRY(cudaEventSynchronize(event_));
+    ACCEL_CUDA_TRY(cudaEventElapsedTime(&elapsed, start.event_, event_));
+    return elapsed;
+  }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+}  // namespace accel::cuda
