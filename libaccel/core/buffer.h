@@ -14,8 +14,9 @@
 
 namespace accel {
 
-// The alignment of every buffer, in bytes: one cache line, and the size of a two-box node.
-inline constexpr std::size_t kBufferAlignment = 64;
+// The alignment of every buffer, in bytes: a line of a GPU's cache, two of a CPU's, and two two-box nodes. The SIMT model counts
+// lines by address, so figures would depend on the allocator if it were less.
+inline constexpr std::size_t kBufferAlignment = 128;
 
 template <class T>
 class Buffer {
