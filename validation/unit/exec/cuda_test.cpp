@@ -1,0 +1,144 @@
+// The device against the CPU, bit for bit: every method, triangle test, query and launch policy. Skipped where there is no
+// device.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+#include "libaccel/exec/cuda/device_accel.h"
+#include "libaccel/rays/ray_sets.h"
+#include "libaccel/registry/any_accel.h"
+#include "scenes/procedural.h"
+
+namespace accel {
+namespace {
+
+constexpr LaunchPolicy kPolicies[] = {LaunchPolicy::grid, LaunchPolicy::persistent};
+
+// Why there is nothing to test on this machine; empty where there is.
+std::string no_device() {
+  const auto info = cuda_device_info();
+  return info ? std::string() : info.message();
+}
+
+#define ACCEL_SKIP_WITHOUT_DEVICE() \
+  if (const std::string reason = no_device(); !reason.empty()) GTEST_SKIP() << reason
+
+// Random rays, rays at edges, and rays that hit nothing by definition, in a number that no block size divides.
+std::vector<Ray> mixed_rays(const TriangleMesh& mesh) {
+  Aabb bounds;
+  for (const Vec3& v : mesh.vertices) bounds.extend(v);
+  std::vector<Ray> rays;
+  for (const RaySet& set : {*random_rays(bounds, 5000), *edge_rays(mesh, 5000)})
+    rays.insert(rays.end(), set.rays.begin(), set.rays.end());
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t i = 0; i < 37; ++i) {
+    Ray ray = rays[i * 7];
+    if (i % 3 == 0) ray.dir = {0, 0, 0};
+    if (i % 3 == 1) ray.t_max = -1;
+    if (i % 3 == 2) ray.org.y = nan;
+    rays.insert(rays.begin() + static_cast<std::ptrdiff_t>(i * 100), ray);
+  }
+  return rays;
+}
+
+TEST(Cuda, WithoutADeviceEveryCallSaysWhy) {
+  const std::string reason = no_device();
+  if (reason.empty()) GTEST_SKIP() << "there is a device";
+  const std::vector<Ray> rays(3);
+  EXPECT_EQ(DeviceBatch::upload(rays).message(), reason);
+  const auto mesh = make_builtin("cornell");
+  const auto accel = AnyAccel::build(mesh->mesh, "bvh/stack");
+  EXPECT_EQ(DeviceAccel::upload(accel->structure(), "bvh/stack").message(), reason);
+}
+
+TEST(Cuda, DescribesTheDevice) {
+  ACCEL_SKIP_WITHOUT_DEVICE();
+  const auto info = cuda_device_info();
+  EXPECT_FALSE(info->name.empty());
+  EXPECT_GE(info->compute_major, 7);
+  EXPECT_GT(info->multiprocessors, 0);
+  EXPECT_GT(info->memory_bytes, 0u);
+}
+
+TEST(Cuda, HitsAreTheCpusBitForBit) {
+  ACCEL_SKIP_WITHOUT_DEVICE();
+  const auto scene = make_builtin("soup:3000");
+  const std::vector<Ray> rays = mixed_rays(scene->mesh);
+  const auto batch = DeviceBatch::upload(rays);
+  ASSERT_TRUE(batch.ok()) << batch.message();
+  std::vector<Hit> expected(rays.size()), hits(rays.size());
+  std::vector<std::uint8_t> expected_any(rays.size()), any(rays.size());
+  for (const MethodInfo& method : methods()) {
+    const auto cpu = AnyAccel::build(scene->mesh, method.name);
+    ASSERT_TRUE(cpu.ok()) << cpu.message();
+    const auto device = DeviceAccel::upload(cpu->structure(), method.name);
+    ASSERT_TRUE(device.ok()) << device.message();
+    EXPECT_EQ(device->size_bytes(), cpu->size_bytes());
+    for (const std::string& test : triangle_tests()) {
+      ASSERT_TRUE(cpu->closest(rays, expected, {.test = test}).ok());
+      ASSERT_TRUE(cpu->occluded(rays, expected_any, {.test = test}).ok());
+      for (const LaunchPolicy policy : kPolicies) {
+        SCOPED_TRACE(method.name + " " + test + " " + policy_name(policy));
+        const auto closest = device->trace(*batch, Query::closest, {.policy = policy, .test = test});
+        ASSERT_TRUE(closest.ok()) << closest.message();
+        ASSERT_TRUE(batch->hits(hits).ok());
+        EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
+        ASSERT_TRUE(device->trace(*batch, Query::any, {.policy = policy, .test = test}).ok());
+        ASSERT_TRUE(batch->occluded(any).ok());
+        EXPECT_EQ(any, expected_any);
+      }
+    }
+  }
+}
+
+TEST(Cuda, SmallBatchesAndEmptyScenes) {
+  ACCEL_SKIP_WITHOUT_DEVICE();
+  const TriangleMesh empty;
+  const auto cpu = AnyAccel::build(empty, "bvh/stack");
+  const auto device = DeviceAccel::upload(cpu->structure(), "bvh/stack");
+  ASSERT_TRUE(device.ok()) << device.message();
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{31}, std::size_t{33}, std::size_t{129}}) {
+    const std::vector<Ray> rays(count, Ray{.org = {}, .dir = {0, 0, 1}});
+    const auto batch = DeviceBatch::upload(rays);
+    ASSERT_TRUE(batch.ok()) << batch.message();
+    for (const LaunchPolicy policy : kPolicies) {
+      ASSERT_TRUE(device->trace(*batch, Query::closest, {.policy = policy}).ok());
+      std::vector<Hit> hits(count, Hit{.t = 1, .prim_id = 1});
+      ASSERT_TRUE(batch->hits(hits).ok());
+      for (const Hit& hit : hits) EXPECT_FALSE(hit.valid());
+    }
+  }
+}
+
+TEST(Cuda, MistakesAreErrors) {
+  ACCEL_SKIP_WITHOUT_DEVICE();
+  const auto mesh = make_builtin("cornell");
+  const auto accel = AnyAccel::build(mesh->mesh, "bvh/stack");
+  EXPECT_THAT(DeviceAccel::upload(accel->structure(), "bvh/stak").message(), testing::HasSubstr("bvh/stack"));
+  EXPECT_THAT(DeviceAccel::upload(accel->structure(), "brute/loop").message(), testing::HasSubstr("'list'"));
+  const auto device = DeviceAccel::upload(accel->structure(), "bvh/stack");
+  const std::vector<Ray> rays(3);
+  const auto batch = DeviceBatch::upload(rays);
+  EXPECT_FALSE(device->trace(*batch, Query::closest, {.test = "watertite"}).ok());
+  std::vector<Hit> too_few(2);
+  EXPECT_FALSE(batch->hits(too_few).ok());
+}
+
+TEST(Cuda, TimesManyLaunches) {
+  ACCEL_SKIP_WITHOUT_DEVICE();
+  const auto mesh = make_builtin("cornell");
+  const auto accel = AnyAccel::build(mesh->mesh, "bvh/stack");
+  const auto device = DeviceAccel::upload(accel->structure(), "bvh/stack");
+  const std::vector<Ray> rays = mixed_rays(mesh->mesh);
+  const auto batch = DeviceBatch::upload(rays);
+  const auto timing = device->trace(*batch, Query::closest, {.warm_up = 2, .repeat = 5});
+  ASSERT_TRUE(timing.ok()) << timing.message();
+  EXPECT_GT(timing->min_ms, 0.0f);
+  EXPECT_LE(timing->min_ms, timing->median_ms);
+  EXPECT_LE(timing->median_ms, timing->max_ms);
+}
+
+}  // namespace
+}  // namespace accel
