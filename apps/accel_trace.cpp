@@ -1,0 +1,54 @@
+// accel-trace: builds structures, traces rays, checks every hit.
+#include <csignal>
+
+#include "apps/common/interrupt.h"
+#include "apps/common/listing.h"
+#include "apps/common/output.h"
+#include "apps/common/progress_bar.h"
+#include "apps/common/text.h"
+#include "apps/common/trace_options.h"
+#include "apps/common/trace_run.h"
+
+namespace accel::apps {
+
+namespace {
+
+// The report to where the settings want it.
+Finished write_report(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
+  if (settings.json == "-") return terminal.write(report_json(report, settings));
+  if (!settings.json.empty())
+    if (auto done = write_text(settings.json, report_json(report, settings)); !done) return done;
+  return terminal.write(report_text(report, settings, terminal));
+}
+
+Outcome<ExitStatus> trace(int argc, char** argv, Terminal& terminal) {
+  const auto settings = parse_trace_options(argc, argv);
+  if (!settings) return settings.failure();
+  terminal.configure(settings->common.verbosity, settings->common.color);
+  if (!settings->help.empty() || settings->list) {
+    auto written = terminal.write(settings->list ? listing() : settings->help);
+    return written ? Outcome<ExitStatus>(ExitStatus::ok) : written.failure();
+  }
+  ProgressBar bar(settings->common.progress, terminal.quiet());
+  auto report = run_trace(*settings, bar);
+  bar.clear();
+  if (!report) return report.failure();
+  if (auto written = write_report(*report, *settings, terminal); !written) return written.failure();
+  if (report->failures() == 0) return ExitStatus::ok;
+  return Failure(ExitStatus::mismatch, "verification failed: " + counted(report->failures(), "wrong hit"));
+}
+
+}  // namespace
+
+}  // namespace accel::apps
+
+int main(int argc, char** argv) {
+  using namespace accel::apps;
+  std::signal(SIGPIPE, SIG_IGN);
+  catch_interrupts();
+  Terminal terminal("accel-trace");
+  const auto status = trace(argc, argv, terminal);
+  if (status) return static_cast<int>(*status);
+  terminal.error(status.failure().message);
+  return static_cast<int>(status.failure().status);
+}

@@ -1,0 +1,152 @@
+#include "apps/common/command_line.h"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "apps/common/text.h"
+#include "apps/common/versions.h"
+#include "libaccel/core/suggest.h"
+
+namespace accel::apps {
+
+namespace {
+
+// The whole of `text` as a number.
+template <class Number>
+bool parse_whole(const std::string& text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+const std::map<std::string, When>& when_names() {
+  static const std::map<std::string, When> names = {
+      {"auto", When::automatic}, {"always", When::always}, {"never", When::never}};
+  return names;
+}
+
+CLI::Validator one_of_when() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto found = when_names().find(text);
+        if (found == when_names().end()) return "'" + text + "' should be auto, always or never";
+        text = std::to_string(static_cast<int>(found->second));
+        return std::string();
+      },
+      "", "when");
+}
+
+std::string quoted(const std::string& argument) {
+  const bool plain = !argument.empty() && argument.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;#~!") == std::string::npos;
+  if (plain) return argument;
+  std::string text = "'";
+  for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+// The first argument that no option took, with the option that was probably meant.
+Failure unexpected(const CLI::App& app, const std::string& argument) {
+  if (argument.rfind("-", 0) != 0)
+    return {ExitStatus::usage,
+            "unexpected argument '" + argument + "'; one scene is expected, and lists are separated by commas"};
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const std::string flag = argument.substr(0, argument.find('='));
+  const std::vector<std::string_view> views(names.begin(), names.end());
+  const auto match = closest_match(flag, views);
+  return {ExitStatus::usage, "unknown option '" + flag + "'" + (match ? "; did you mean '" + std::string(*match) + "'?" : "") +
+                                 (match ? "" : "; --help lists them all")};
+}
+
+}  // namespace
+
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+  return CLI::Validator(
+      [least, most](std::string& text) {
+        std::uint64_t value = 0;
+        if (parse_whole(text, value) && value >= least && value <= most) return std::string();
+        return "'" + text + "' should be a whole number from " + with_commas(least) + " to " + with_commas(most);
+      },
+      "N", "whole number");
+}
+
+CLI::Validator real_number(double least, double most) {
+  return CLI::Validator(
+      [least, most](std::string& text) {
+        double value = 0;
+        if (parse_whole(text, value) && value >= least && value <= most) return std::string();
+        return "'" + text + "' should be a number from " + short_number(least) + " to " + short_number(most);
+      },
+      "X", "number");
+}
+
+void add_common_options(CLI::App& app, CommonSettings& settings) {
+  app.set_help_flag();
+  app.add_flag_callback(
+         "-h,--help", [] {}, "show this help and exit")
+      ->group("General");
+  app.add_flag_callback(
+         "--version", [] {}, "show versions and optional parts, and exit")
+      ->group("General");
+  app.add_option("--threads", settings.threads, "threads to use; 0: as many as the machine has")
+      ->check(whole_number(0, 4096))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group("General");
+  app.add_option("--seed", settings.seed, "seed of everything random")
+      ->check(whole_number(0))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group("General");
+  auto* quiet = app.add_flag_callback(
+      "-q,--quiet", [&] { settings.verbosity = Verbosity::quiet; }, "no messages but errors");
+  auto* verbose = app.add_flag_callback(
+      "-v,--verbose", [&] { settings.verbosity = Verbosity::verbose; }, "say what is done, and why");
+  quiet->group("General");
+  verbose->excludes(quiet)->group("General");
+  app.add_option("--progress", settings.progress, "progress bar: auto (after a second, on terminals), always, never")
+      ->transform(one_of_when())
+      ->type_name("WHEN")
+      ->group("General");
+  app.add_option("--color", settings.color, "colours: auto, always, never")
+      ->transform(one_of_when())
+      ->type_name("WHEN")
+      ->group("General");
+}
+
+void add_build_options(CLI::App& app, BuildOptions& options) {
+  const auto add = [&](const char* flag, auto& value, const char* what, CLI::Validator valid, const char* type) {
+    app.add_option(flag, value, what)->check(std::move(valid))->capture_default_str()->type_name(type)->group("Build");
+  };
+  add("--max-leaf-size", options.max_leaf_size, "most triangles in a leaf", whole_number(1, 1024), "N");
+  add("--max-depth", options.max_depth, "most inner nodes on a path", whole_number(1, 1024), "N");
+  add("--bins", options.bins, "bins of the surface-area heuristic, per axis", whole_number(2, 1024), "N");
+  add("--traversal-cost", options.traversal_cost, "cost of a step through a node", real_number(1e-3, 1e6), "X");
+  add("--intersection-cost", options.intersection_cost, "cost of a triangle test", real_number(1e-3, 1e6), "X");
+  add("--spatial-overlap", options.spatial_overlap, "least overlap that a spatial split is tried for, as a share of the root",
+      real_number(0, 1), "X");
+  add("--max-duplication", options.max_duplication, "extra references that spatial splits may make, per triangle",
+      real_number(0, 100), "X");
+}
+
+Outcome<std::string> parse_arguments(CLI::App& app, int argc, char** argv, CommonSettings& settings) {
+  settings.command_line = app.get_name();
+  for (int i = 1; i < argc; ++i) settings.command_line += " " + quoted(argv[i]);
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument == "-h" || argument == "--help") return app.help();
+    if (argument == "--version") return versions_text(app.get_name());
+  }
+  app.allow_extras();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return Failure(ExitStatus::usage, error.what());
+  }
+  const std::vector<std::string> remaining = app.remaining();
+  if (!remaining.empty()) return unexpected(app, remaining.front());
+  return std::string();
+}
+
+}  // namespace accel::apps

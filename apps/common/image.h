@@ -1,0 +1,36 @@
+// Pictures as files, by OpenImageIO. The one place that includes it; everything here fails politely in builds without it.
+//
+// The format is told by the file's ending: png, jpg, tif (8 bits, as displayed, encoded in sRGB) or exr (32 bits, the numbers
+// themselves in named channels). Files are written whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "apps/common/failure.h"
+#include "apps/common/picture.h"
+
+namespace accel::apps {
+
+// Whether this program can write pictures.
+bool images_available();
+
+// "OpenImageIO 2.4.7", or why there is none.
+std::string image_library_version();
+
+// Fails where a picture of this name could not be written: no image library (unavailable), an unknown ending (usage).
+Finished check_image_name(const std::filesystem::path& path, std::string_view flag);
+
+// EXR: R, G, B, prim_id (uint32, 0xffffffff is a miss), t, u, v, Nx, Ny, Nz; the last seven of a pixel's first ray.
+Finished write_shaded(const std::filesystem::path& path, const ShadedPicture& picture);
+
+// The values through a colour map that reaches from 0 to the 99.5th percentile, under a title and over a legend in `unit`. EXR:
+// one channel named `channel`.
+Finished write_heat(const std::filesystem::path& path, const HeatPicture& picture, const std::string& channel);
+
+// A heat map on a logarithmic scale and a map of classes side by side, with their legends. EXR: the channels `channel` and
+// class.
+Finished write_classes(const std::filesystem::path& path, const HeatPicture& heat, const ClassPicture& classes,
+                       const std::string& channel);
+
+}  // namespace accel::apps

@@ -1,0 +1,102 @@
+#include "apps/common/method_set.h"
+
+#include <algorithm>
+#include <map>
+
+#include "apps/common/text.h"
+
+namespace accel::apps {
+
+namespace {
+
+const MethodInfo& method_info(const std::string& name) {
+  return *std::find_if(methods().begin(), methods().end(), [&](const MethodInfo& m) { return m.name == name; });
+}
+
+// The method to use for a structure file when the user does not say: the best one if it fits, else the first that does.
+std::string best_for(const StoredStructure& stored) {
+  if (method_info(best_method()).builder == stored.builder) return best_method();
+  for (const MethodInfo& m : methods())
+    if (m.builder == stored.builder) return m.name;
+  return best_method();
+}
+
+// Why "all" leaves a method out; empty if it does not.
+std::string reason_to_skip(const MethodInfo& method, const Scene& scene, std::uint64_t rays) {
+  if (scene.stored && method.builder != scene.stored->builder)
+    return "the file holds a structure built by '" + scene.stored->builder + "'";
+  const bool no_hierarchy = method.structure == TriangleList::kName;
+  const std::uint64_t triangles = std::max<std::uint64_t>(scene.mesh().size(), 1);
+  if (no_hierarchy && rays > kMostBruteForceTests / triangles)
+    return counted(rays, "ray") + " times " + counted(triangles, "triangle") + " are more than " +
+           with_commas(kMostBruteForceTests) + " tests; name the method to run it";
+  return {};
+}
+
+std::vector<std::string> resolve(const Scene& scene, const TraceSettings& settings, std::vector<Skip>& skipped) {
+  std::vector<std::string> names;
+  if (settings.methods.front() != "all") {
+    for (const std::string& name : settings.methods) {
+      const std::string actual = name != "best" ? name : scene.stored ? best_for(*scene.stored) : best_method();
+      if (std::find(names.begin(), names.end(), actual) == names.end()) names.push_back(actual);
+    }
+    return names;
+  }
+  const std::uint64_t rays = std::max(settings.count, std::uint64_t{settings.width} * settings.height * settings.spp);
+  for (const MethodInfo& m : methods()) {
+    const std::string reason = reason_to_skip(m, scene, rays);
+    if (reason.empty())
+      names.push_back(m.name);
+    else
+      skipped.push_back({m.name, reason});
+  }
+  return names;
+}
+
+Outcome<AnyAccel> bind_stored(const Scene& scene, const MethodInfo& method) {
+  const StoredStructure& stored = *scene.stored;
+  if (method.builder != stored.builder)
+    return Failure(ExitStatus::error, "'" + scene.name + "' holds a structure built by '" + stored.builder + "', which " +
+                                          method.name + " does not use; try --method " + best_for(stored) +
+                                          ", or trace the scene itself");
+  auto accel = AnyAccel::bind(stored.structure, method.name, stored.report);
+  if (!accel) return accel.error();
+  return *std::move(accel);
+}
+
+Outcome<AnyAccel> build(const Scene& scene, const MethodInfo& method, const TraceSettings& settings, ProgressBar& bar) {
+  bar.begin("building " + method.builder);
+  BuildOptions options = settings.build;
+  options.progress = bar.callback();
+  auto accel = AnyAccel::build(scene.mesh(), method.name, options);
+  if (!accel) return accel.error();
+  return *std::move(accel);
+}
+
+}  // namespace
+
+Outcome<MethodSet> prepare_methods(const Scene& scene, const TraceSettings& settings, ProgressBar& bar,
+                                   std::vector<Skip>& skipped) {
+  MethodSet set;
+  std::map<std::string, std::size_t> member_of_builder;
+  for (const std::string& name : resolve(scene, settings, skipped)) {
+    const MethodInfo& method = method_info(name);
+    const auto sibling = member_of_builder.find(method.builder);
+    if (sibling != member_of_builder.end()) {
+      const MethodSet::Member& member = set.members[sibling->second];
+      auto accel = member.accel.with_method(name);
+      if (!accel) return accel.error();
+      set.members.push_back({*std::move(accel), member.structure});
+      continue;
+    }
+    auto accel = scene.stored ? bind_stored(scene, method) : build(scene, method, settings, bar);
+    if (!accel) return accel.failure();
+    member_of_builder[method.builder] = set.members.size();
+    set.structures.push_back({method.builder, accel->report().seconds, accel->size_bytes(), accel->report(),
+                              facts_of(accel->structure(), settings.build)});
+    set.members.push_back({*std::move(accel), set.structures.size() - 1});
+  }
+  return set;
+}
+
+}  // namespace accel::apps

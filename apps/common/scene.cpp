@@ -1,0 +1,150 @@
+#include "apps/common/scene.h"
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+
+#include "apps/common/text.h"
+#include "libaccel/core/suggest.h"
+#include "libaccel/geometry/mesh_facts.h"
+#include "libaccel/io/load_mesh.h"
+#include "libaccel/io/scene_description.h"
+#include "libaccel/io/structure_sections.h"
+#include "libaccel/rays/camera.h"
+#include "libaccel/rays/default_light.h"
+#include "scenes/procedural.h"
+
+namespace accel::apps {
+
+namespace {
+
+constexpr std::string_view kBuiltin = "builtin:";
+
+Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
+
+// The file's structure as whichever of the registry's types it says it is.
+Result<AnyStructure> read_structure(const AccelFile& file, const std::string& kind) {
+  Result<AnyStructure> result =
+      file.error("metadata", "names a structure of unknown kind '" + kind + "'; it was written by another version");
+  Structures::for_each([&](auto tag) {
+    using Structure = typename decltype(tag)::type;
+    if (kind != Structure::kName) return;
+    Result<Structure> structure = read<Structure>(file);
+    result = structure ? Result<AnyStructure>(AnyStructure(*std::move(structure))) : Result<AnyStructure>(structure.error());
+  });
+  return result;
+}
+
+double statistic(const AccelMetadata& metadata, const std::string& name) {
+  const auto found = metadata.statistics.find(name);
+  return found == metadata.statistics.end() ? 0 : found->second;
+}
+
+Outcome<Scene> open_accel_file(const std::string& path) {
+  const auto file = AccelFile::open(path);
+  if (!file) return file.error();
+  const auto metadata = read<AccelMetadata>(*file);
+  if (!metadata) return metadata.error();
+  auto mesh = read<TriangleMesh>(*file);
+  if (!mesh) return mesh.error();
+  auto structure = read_structure(*file, metadata->structure);
+  if (!structure) return structure.error();
+  BuildReport report;
+  report.seconds = statistic(*metadata, "build_seconds");
+  report.triangles = static_cast<std::uint64_t>(statistic(*metadata, "triangles"));
+  report.references = static_cast<std::uint64_t>(statistic(*metadata, "references"));
+  Scene scene;
+  scene.data = {*std::move(mesh), metadata->cameras, metadata->light};
+  scene.stored = StoredStructure{*std::move(structure), std::move(report), metadata->builder};
+  return scene;
+}
+
+Outcome<Scene> open_mesh_file(const std::string& path, const Progress& progress) {
+  auto mesh = load_mesh(path, {progress});
+  if (!mesh) return mesh.error();
+  auto description = find_scene_description(path);
+  if (!description) return description.error();
+  Scene scene;
+  scene.data = {*std::move(mesh), std::move(description->cameras), std::move(description->light)};
+  return scene;
+}
+
+Outcome<Scene> open_builtin(const std::string& spec, std::uint64_t seed) {
+  auto data = make_builtin(spec, seed);
+  if (!data) return usage(data.message());
+  Scene scene;
+  scene.data = *std::move(data);
+  return scene;
+}
+
+Outcome<Scene> open_any(const std::string& argument, std::uint64_t seed, const Progress& progress) {
+  if (argument.starts_with(kBuiltin)) return open_builtin(argument, seed);
+  if (argument.ends_with(".accel")) return open_accel_file(argument);
+  return open_mesh_file(argument, progress);
+}
+
+// Ten numbers between commas.
+Outcome<CameraDescription> parse_camera(const std::vector<std::string>& parts) {
+  float value[10];
+  for (std::size_t i = 0; i < 10; ++i) {
+    const auto [end, error] = std::from_chars(parts[i].data(), parts[i].data() + parts[i].size(), value[i]);
+    if (error != std::errc() || end != parts[i].data() + parts[i].size())
+      return usage("--camera: '" + parts[i] + "' is not a number");
+  }
+  CameraDescription camera;
+  camera.eye = {value[0], value[1], value[2]};
+  camera.at = {value[3], value[4], value[5]};
+  camera.up = {value[6], value[7], value[8]};
+  camera.vfov_degrees = value[9];
+  if (const Status valid = validate(camera); !valid) return usage("--camera: " + valid.message());
+  return camera;
+}
+
+// One of the scene's cameras, by name or counted from 1.
+Outcome<CameraDescription> find_camera(const Scene& scene, const std::string& argument) {
+  const std::vector<CameraDescription>& cameras = scene.data.cameras;
+  if (cameras.empty()) return usage("--camera: scene '" + scene.name + "' has no cameras of its own; give ten numbers");
+  std::vector<std::string_view> names;
+  for (const CameraDescription& camera : cameras) {
+    if (camera.name == argument) return camera;
+    names.push_back(camera.name);
+  }
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(argument.data(), argument.data() + argument.size(), number);
+  if (error != std::errc() || end != argument.data() + argument.size())
+    return usage("--camera: " + unknown_name("camera", argument, names).message);
+  if (number < 1 || number > cameras.size())
+    return usage("--camera: scene '" + scene.name + "' has " + counted(cameras.size(), "camera") + ", and no number " +
+                 argument);
+  return cameras[number - 1];
+}
+
+}  // namespace
+
+Outcome<Scene> open_scene(const std::string& argument, std::uint64_t seed, const Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  auto scene = open_any(argument, seed, progress);
+  if (!scene) return scene;
+  scene->name = argument;
+  scene->facts = mesh_facts(scene->mesh());
+  scene->title =
+      argument.starts_with(kBuiltin) ? argument.substr(kBuiltin.size()) : std::filesystem::path(argument).filename().string();
+  scene->load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return scene;
+}
+
+Outcome<CameraDescription> choose_camera(const Scene& scene, const std::string& argument) {
+  const std::vector<std::string> parts = split(argument, ',');
+  if (parts.size() == 10) return parse_camera(parts);
+  if (parts.size() > 1)
+    return usage("--camera: ten numbers are expected (eye, at, up, vertical angle), not " + std::to_string(parts.size()));
+  if (!argument.empty()) return find_camera(scene, argument);
+  if (!scene.data.cameras.empty()) return scene.data.cameras.front();
+  return default_camera(scene.facts.bounds);
+}
+
+LightDescription choose_light(const Scene& scene, const CameraDescription& camera) {
+  return scene.data.light ? *scene.data.light : default_light(scene.facts.bounds, camera);
+}
+
+}  // namespace accel::apps

@@ -1,0 +1,44 @@
+// What a program works on: a scene from a file or a generator, or a structure file with the scene inside.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/common/failure.h"
+#include "libaccel/build/builder.h"
+#include "libaccel/core/progress.h"
+#include "libaccel/geometry/mesh_facts.h"
+#include "libaccel/geometry/scene_data.h"
+#include "libaccel/registry/any_structure.h"
+
+namespace accel::apps {
+
+// A structure as a file holds it.
+struct StoredStructure {
+  AnyStructure structure;
+  BuildReport report;
+  std::string builder;
+};
+
+struct Scene {
+  std::string name;   // as the user gave it
+  std::string title;  // for headings: the file's name without its folder
+  SceneData data;
+  MeshFacts facts;
+  std::optional<StoredStructure> stored;  // of a .accel file
+  double load_seconds = 0;
+
+  const TriangleMesh& mesh() const { return data.mesh; }
+};
+
+// Opens what a SCENE argument names. A built-in scene's unknown name is a usage error, everything else an input error.
+Outcome<Scene> open_scene(const std::string& argument, std::uint64_t seed, const Progress& progress);
+
+// The camera that --camera chooses: ten numbers, the name or the number of one of the scene's, or by default its first or the
+// one that its box suggests. Unknown names are usage errors.
+Outcome<CameraDescription> choose_camera(const Scene& scene, const std::string& argument);
+
+// The scene's own light, or the one that its box suggests.
+LightDescription choose_light(const Scene& scene, const CameraDescription& camera);
+
+}  // namespace accel::apps

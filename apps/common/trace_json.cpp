@@ -1,0 +1,183 @@
+// report_json() of trace_report.h.
+#include <unistd.h>
+
+#include <chrono>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "apps/common/text.h"
+#include "apps/common/trace_report.h"
+#include "apps/common/versions.h"
+
+namespace accel::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using validation::Verdicts;
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+std::string date_text() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm local{};
+  char text[64];
+  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S%z", localtime_r(&now, &local));
+  return {text, length};
+}
+
+Json vec_json(Vec3 v) { return {v.x, v.y, v.z}; }
+
+Json camera_json(const CameraDescription& c) {
+  return {{"name", c.name}, {"eye", vec_json(c.eye)}, {"at", vec_json(c.at)}, {"up", vec_json(c.up)}, {"vfov", c.vfov_degrees}};
+}
+
+Json structure_json(const StructureRow& row) {
+  Json json = {{"name", row.name}, {"build_seconds", row.build_seconds}, {"bytes", row.bytes}};
+  if (row.report.references == 0) return json;
+  json["triangles"] = row.report.triangles;
+  json["references"] = row.report.references;
+  json["skipped"] = {{"zero_area", row.report.skipped.zero_area}, {"out_of_range", row.report.skipped.out_of_range}};
+  json["peak_bytes"] = row.report.peak_bytes;
+  for (const BuildPhase& phase : row.report.phases) json["phases"][phase.name] = phase.seconds;
+  return json;
+}
+
+Json context_json(const TraceReport& report, const TraceSettings& settings) {
+  Json versions_json;
+  for (const auto& [name, version] : versions()) versions_json[name] = version;
+  Json skipped = Json::array();
+  for (const Skip& skip : report.skipped) skipped.push_back({{"what", skip.what}, {"because", skip.why}});
+  Json structures = Json::array();
+  for (const StructureRow& row : report.structures) structures.push_back(structure_json(row));
+  return {{"date", date_text()},
+          {"host_name", host_name()},
+          {"executable", "accel-trace"},
+          {"command_line", settings.common.command_line},
+          {"num_cpus", std::thread::hardware_concurrency()},
+          {"library_build_type", ACCEL_BUILD_TYPE},
+          {"versions", versions_json},
+          {"threads", report.threads},
+          {"seed", settings.common.seed},
+          {"repeat", settings.repeat},
+          {"scene", report.scene},
+          {"triangles", report.triangles},
+          {"load_seconds", report.load_seconds},
+          {"camera", camera_json(report.camera)},
+          {"width", settings.width},
+          {"height", settings.height},
+          {"spp", settings.spp},
+          {"device", report.device},
+          {"triangle_test", settings.test},
+          {"check", report.checked_by},
+          {"witness", report.witness},
+          {"structures", structures},
+          {"skipped", skipped}};
+}
+
+Json verdicts_json(const Verdicts& v) {
+  return {{"agree", v.agree}, {"judged", v.judged}, {"right", v.right}, {"neighbour", v.neighbour},
+          {"edge", v.edge},   {"miss", v.miss},     {"far", v.far},     {"false", v.false_hit}};
+}
+
+void add_check(Json& json, const validation::CheckResult& check) {
+  json["verdicts"] = verdicts_json(check.ours);
+  json["unjudged"] = check.unjudged;
+  if (check.has_witness) {
+    const auto& a = check.adjudication;
+    json["embree_verdicts"] = verdicts_json(check.witness);
+    json["adjudication"] = {{"both_right", a.both_right},
+                            {"only_ours_right", a.only_ours_right},
+                            {"only_embree_right", a.only_witness_right},
+                            {"both_wrong", a.both_wrong}};
+  }
+  const auto wrong = validation::rate(check.failures(), check.rays);
+  json["wrong_per_million"] = wrong.per_million;
+  json["wrong_per_million_bound95"] = wrong.bound95_per_million;
+  const auto& e = check.errors;
+  if (e.samples > 0) {
+    json["t_ulp"] = {{"mean", e.t_ulp_mean}, {"p99", e.t_ulp_p99}, {"max", e.t_ulp_max}};
+    json["barycentric_error_max"] = e.barycentric_max;
+  }
+}
+
+void add_counters(Json& json, const Counters& counters, std::uint64_t rays) {
+  const double n = rays == 0 ? 1.0 : static_cast<double>(rays);
+  const auto per_ray = [&](std::uint64_t sum) { return static_cast<double>(sum) / n; };
+  json["nodes_per_ray"] = per_ray(counters.node_steps);
+  json["box_tests_per_ray"] = per_ray(counters.box_tests);
+  json["triangle_tests_per_ray"] = per_ray(counters.triangle_tests);
+  json["backtracks_per_ray"] = per_ray(counters.backtracks);
+  std::uint64_t bytes = 0;
+  for (const std::uint64_t b : counters.bytes) bytes += b;
+  json["bytes_per_ray"] = per_ray(bytes);
+}
+
+Json phase_json(const SimtProfile::PhaseSteps& phase) {
+  return {{"steps", phase.steps}, {"active_lanes", phase.active_lanes}, {"efficiency", phase.efficiency()}};
+}
+
+Json simt_json(const SimtProfile& profile) {
+  constexpr const char* kNames[kMemoryClasses] = {"node", "triangle", "stack", "hash", "ray"};
+  Json json = {{"warps", profile.warps},
+               {"efficiency", profile.efficiency()},
+               {"descend", phase_json(profile.descend)},
+               {"intersect", phase_json(profile.intersect)},
+               {"backtrack", phase_json(profile.backtrack)}};
+  for (int c = 0; c < kMemoryClasses; ++c) {
+    const SimtProfile::Traffic& t = profile.traffic[c];
+    json["traffic"][kNames[c]] = {{"requests", t.requests}, {"lines", t.lines}, {"sectors", t.sectors}, {"bytes", t.bytes}};
+  }
+  return json;
+}
+
+Json row_json(const TraceRow& row, const TraceReport& report) {
+  Measurement::Pass mean;
+  for (const Measurement::Pass& pass : row.passes) {
+    mean.seconds += pass.seconds / static_cast<double>(row.passes.size());
+    mean.cpu_seconds += pass.cpu_seconds / static_cast<double>(row.passes.size());
+  }
+  Json json = {{"name", report.scene + "/" + row.method + "/" + row.rays_kind},
+               {"run_name", report.scene + "/" + row.method + "/" + row.rays_kind},
+               {"run_type", "iteration"},
+               {"repetitions", 1},
+               {"threads", report.threads},
+               {"iterations", row.passes.size()},
+               {"real_time", 1e3 * mean.seconds},
+               {"cpu_time", 1e3 * mean.cpu_seconds},
+               {"time_unit", "ms"},
+               {"method", row.method},
+               {"rays_kind", row.rays_kind},
+               {"rays", row.rays},
+               {"mrays_per_second", row.speed.median},
+               {"mrays_min", row.speed.least},
+               {"mrays_max", row.speed.most}};
+  const TraceRow* witness = report.witness_row(row.rays_kind);
+  if (witness != nullptr && witness->speed.median > 0) {
+    json["embree_mrays_per_second"] = witness->speed.median;
+    json["ratio_to_embree"] = row.speed.median / witness->speed.median;
+  }
+  if (row.check) add_check(json, *row.check);
+  const StructureRow& structure = report.structures[row.structure];
+  json["build_seconds"] = structure.build_seconds;
+  json["bytes"] = structure.bytes;
+  if (structure.facts.sah_cost) json["sah_cost"] = *structure.facts.sah_cost;
+  if (structure.facts.depth) json["depth"] = *structure.facts.depth;
+  if (row.counters) add_counters(json, *row.counters, row.rays);
+  if (row.simt) json["simt"] = simt_json(*row.simt);
+  return json;
+}
+
+}  // namespace
+
+std::string report_json(const TraceReport& report, const TraceSettings& settings) {
+  Json json = {{"context", context_json(report, settings)}, {"benchmarks", Json::array()}};
+  for (const TraceRow& row : report.rows) json["benchmarks"].push_back(row_json(row, report));
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace accel::apps

@@ -1,0 +1,252 @@
+#include "apps/common/trace_options.h"
+
+#include <algorithm>
+#include <array>
+
+#include "apps/common/command_line.h"
+#include "apps/common/image.h"
+#include "apps/common/text.h"
+#include "libaccel/core/suggest.h"
+#include "libaccel/rays/ray_kind.h"
+#include "libaccel/rays/ray_sets.h"
+#include "libaccel/registry/any_accel.h"
+
+namespace accel::apps {
+
+namespace {
+
+constexpr const char* kDescription =
+    "Builds ray-tracing acceleration structures, traces rays through them and checks every hit.\n"
+    "Without a scene: builtin:stadium with the best method, checked.";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  accel-trace                                        the demo\n"
+    "  accel-trace scene.ply --method all --rays primary,shadow,diffuse\n"
+    "                                                     which method is fastest here, and is it right?\n"
+    "  accel-trace scene.obj --camera 2 --image view.png --heatmap heat.png\n"
+    "                                                     what it looks like, and where the time goes\n"
+    "  accel-trace builtin:hairball:1M --rays edge --count 1000000 --check exact\n"
+    "                                                     how many rays leak through edges?\n"
+    "  accel-trace scene.accel --rays mine.npy --hits-out hits.npy --check none\n"
+    "                                                     rays and hits of your own, for NumPy\n"
+    "  accel-trace scene.ply --profile simt --json -      for scripts, in Google Benchmark's shape\n"
+    "\n"
+    "Exit status: 0 all is well, 1 bad input or failure, 2 bad command line, 3 a wrong hit was found,\n"
+    "5 a backend is not built in or has no device, 130 interrupted.";
+
+// The command line as typed, before names are looked up.
+struct RawOptions {
+  std::string methods = "best", rays, check = "embree", profile, schedule = "while-while", device = "cpu";
+};
+
+struct ScheduleName {
+  std::string_view name;
+  SimtSchedule schedule;
+};
+constexpr std::array<ScheduleName, 4> kSchedules = {{{"while-while", SimtSchedule::while_while},
+                                                     {"if-if", SimtSchedule::if_if},
+                                                     {"speculative", SimtSchedule::speculative_while_while},
+                                                     {"persistent", SimtSchedule::persistent_while_while}}};
+
+void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+  app.add_option("SCENE", settings.scene, "file (.ply .obj, or either .zst), structure (.accel), or builtin:NAME[:size]");
+  app.add_option("-m,--method", raw.methods, "methods (builder/traverser), best, or all")
+      ->capture_default_str()
+      ->type_name("NAME,...")
+      ->group("What to trace");
+  app.add_option("-r,--rays", raw.rays, "kinds of rays, or .npy files [primary]")
+      ->type_name("KIND,...|FILE")
+      ->group("What to trace");
+  app.add_option("--test", settings.test,
+                 "triangle test: " + join(triangle_tests(), " or ") + " [" + triangle_tests().front() + "]")
+      ->type_name("NAME")
+      ->group("What to trace");
+  app.add_option("--device", raw.device, "cpu or cuda")->capture_default_str()->type_name("NAME")->group("What to trace");
+  app.add_flag("--list", settings.list, "list methods, tests, kinds of rays and built-in scenes, and exit")
+      ->group("What to trace");
+}
+
+void add_rays(CLI::App& app, TraceSettings& settings) {
+  const auto add = [&](const char* flag, auto& value, const char* what, CLI::Validator valid) {
+    app.add_option(flag, value, what)->check(std::move(valid))->capture_default_str()->type_name("N")->group("Rays");
+  };
+  add("--width", settings.width, "width of the picture, in pixels", whole_number(1, 65536));
+  add("--height", settings.height, "height of the picture, in pixels", whole_number(1, 65536));
+  add("--spp", settings.spp, "rays a pixel", whole_number(1, 65536));
+  app.add_option("--count", settings.count, "rays of kinds that have no pixels (random, edge) [width x height]")
+      ->check(whole_number(1, kMaxRays))
+      ->type_name("N")
+      ->group("Rays");
+  app.add_option("--camera", settings.camera,
+                 "EX,EY,EZ,AX,AY,AZ,UX,UY,UZ,VFOV (eye, at, up, degrees), or the name or number of one of "
+                 "the scene's [the first]")
+      ->type_name("CAMERA")
+      ->group("Rays");
+}
+
+void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+  app.add_option("--repeat", settings.repeat, "timed runs of each method")
+      ->check(whole_number(1, 100000))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group("Measuring and checking");
+  app.add_option("--check", raw.check, "who checks: embree (differences judged exactly), exact (all rays judged), none")
+      ->capture_default_str()
+      ->type_name("WHO")
+      ->group("Measuring and checking");
+  app.add_option("--judge-limit", settings.judge_limit, "most rays to judge exactly, for each method and kind [no limit]")
+      ->check(whole_number(1))
+      ->type_name("N")
+      ->group("Measuring and checking");
+  app.add_option("--profile", raw.profile, "simt: what the rays would cost in warps of 32 lanes")
+      ->type_name("MODEL")
+      ->group("Measuring and checking");
+  app.add_option("--schedule", raw.schedule, "the warps' loop: while-while, if-if, speculative or persistent")
+      ->capture_default_str()
+      ->type_name("NAME")
+      ->group("Measuring and checking");
+}
+
+void add_outputs(CLI::App& app, TraceSettings& settings) {
+  const auto add = [&](const char* flag, std::string& path, const char* what) {
+    app.add_option(flag, path, what)->type_name("FILE")->group("Output");
+  };
+  add("--json", settings.json, "results in Google Benchmark's shape; - is standard output, in place of the tables");
+  add("--image", settings.image, "the view, shaded by normal (.png, .exr, .jpg, .tif)");
+  add("--heatmap", settings.heatmap, "steps of each ray of the first method and kind, with a legend");
+  add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
+  add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
+  add("--hits-out", settings.hits_out, "the hits of the first method and kind, as .npy");
+  add("--repro", settings.repro, "folder for what reproduces a wrong hit [accel-repro]");
+}
+
+Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
+
+Failure unknown(std::string_view flag, std::string_view what, std::string_view name,
+                const std::vector<std::string_view>& known) {
+  return usage(std::string(flag) + ": " + unknown_name(what, name, known).message);
+}
+
+// Method names, "best" resolved and repetitions dropped; "all" stands for itself.
+Outcome<std::vector<std::string>> parse_methods(const std::string& text) {
+  std::vector<std::string> result;
+  for (const std::string& name : split(text, ',')) {
+    if (name == "all") return std::vector<std::string>{"all"};
+    const Result<std::string> found = find_method(name);
+    if (!found) return usage("--method: " + found.message() + "; --list shows all");
+    if (name == "best")
+      result.push_back(name);
+    else if (std::find(result.begin(), result.end(), *found) == result.end())
+      result.push_back(*found);
+  }
+  return result;
+}
+
+bool is_npy(const std::string& name) { return name.ends_with(".npy"); }
+
+Outcome<std::vector<std::string>> parse_ray_kinds(const std::string& text) {
+  std::vector<std::string> result;
+  for (const std::string& name : split(text, ',')) {
+    if (const auto kind = parse_ray_kind(name); !is_npy(name) && !kind) return usage("--rays: " + kind.message());
+    if (std::find(result.begin(), result.end(), name) == result.end()) result.push_back(name);
+  }
+  return result;
+}
+
+Outcome<Check> parse_check(const std::string& name) {
+  if (name == "embree") return Check::embree;
+  if (name == "exact") return Check::exact;
+  if (name == "none") return Check::none;
+  return unknown("--check", "checker", name, {"embree", "exact", "none"});
+}
+
+Outcome<SimtSchedule> parse_schedule(const std::string& name) {
+  std::vector<std::string_view> known;
+  for (const ScheduleName& s : kSchedules) {
+    if (s.name == name) return s.schedule;
+    known.push_back(s.name);
+  }
+  return unknown("--schedule", "schedule", name, known);
+}
+
+// Looks names up and turns the raw options into settings.
+Finished interpret(const RawOptions& raw, TraceSettings& settings) {
+  auto methods = parse_methods(raw.methods);
+  if (!methods) return methods.failure();
+  settings.methods = *std::move(methods);
+
+  constexpr const char* kDemoRays = "primary,shadow,diffuse,edge";
+  auto kinds = parse_ray_kinds(!raw.rays.empty() ? raw.rays : settings.is_demo ? kDemoRays : "primary");
+  if (!kinds) return kinds.failure();
+  settings.ray_kinds = *std::move(kinds);
+
+  const auto check = parse_check(raw.check);
+  if (!check) return check.failure();
+  settings.check = *check;
+
+  const auto schedule = parse_schedule(raw.schedule);
+  if (!schedule) return schedule.failure();
+  settings.schedule = *schedule;
+
+  if (!raw.profile.empty() && raw.profile != "simt") return unknown("--profile", "profile", raw.profile, {"simt"});
+  settings.profile_simt = raw.profile == "simt";
+  if (raw.device != "cpu" && raw.device != "cuda") return unknown("--device", "device", raw.device, {"cpu", "cuda"});
+  settings.device = raw.device;
+
+  const std::vector<std::string>& tests = triangle_tests();
+  if (!settings.test.empty() && std::find(tests.begin(), tests.end(), settings.test) == tests.end())
+    return unknown("--test", "triangle test", settings.test, {tests.begin(), tests.end()});
+  return Done{};
+}
+
+// Options that contradict one another, and outputs that could not be written, found before any work is done.
+Finished check_consistency(const TraceSettings& settings) {
+  if (std::uint64_t{settings.width} * settings.height * settings.spp > kMaxRays)
+    return usage("--width, --height, --spp: " + std::to_string(settings.width) + " x " + std::to_string(settings.height) +
+                 " x " + std::to_string(settings.spp) + " rays are more than " + with_commas(kMaxRays) +
+                 "; make one of them smaller");
+  for (const auto& [flag, path] :
+       {std::pair{"--image", &settings.image}, {"--heatmap", &settings.heatmap}, {"--diff", &settings.diff}}) {
+    if (path->empty()) continue;
+    if (auto valid = check_image_name(*path, flag); !valid) return valid;
+  }
+  const std::string& first = settings.ray_kinds.front();
+  const bool first_is_image = !is_npy(first) && info(*parse_ray_kind(first)).is_image;
+  for (const auto& [flag, path] : {std::pair{"--heatmap", &settings.heatmap}, {"--diff", &settings.diff}})
+    if (!path->empty() && !first_is_image)
+      return usage(std::string(flag) + ": rays of kind '" + first +
+                   "' belong to no pixels; put a kind that does first in --rays");
+  if (!settings.diff.empty() && settings.check == Check::none) return usage("--diff: needs a witness; leave out --check none");
+  for (const auto& [flag, path] : {std::pair{"--rays-out", &settings.rays_out}, {"--hits-out", &settings.hits_out}})
+    if (!path->empty() && !is_npy(*path)) return usage(std::string(flag) + ": '" + *path + "' should end in .npy");
+  return Done{};
+}
+
+}  // namespace
+
+Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
+  CLI::App app(kDescription, "accel-trace");
+  TraceSettings settings;
+  RawOptions raw;
+  add_what(app, settings, raw);
+  add_rays(app, settings);
+  add_measuring(app, settings, raw);
+  add_outputs(app, settings);
+  add_build_options(app, settings.build);
+  add_common_options(app, settings.common);
+  app.footer(kExamples);
+
+  auto answer = parse_arguments(app, argc, argv, settings.common);
+  if (!answer) return answer.failure();
+  settings.help = *answer;
+  settings.is_demo = app.count("SCENE") == 0;
+  settings.check_given = app.count("--check") > 0;
+  settings.build.threads = settings.common.threads;
+  if (!settings.help.empty() || settings.list) return settings;
+  if (auto done = interpret(raw, settings); !done) return done.failure();
+  if (auto done = check_consistency(settings); !done) return done.failure();
+  return settings;
+}
+
+}  // namespace accel::apps

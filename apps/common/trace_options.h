@@ -1,0 +1,49 @@
+// The command line of accel-trace.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/common_settings.h"
+#include "libaccel/build/builder.h"
+#include "libaccel/exec/simt_profile.h"
+
+namespace accel::apps {
+
+enum class Check { embree, exact, none };
+
+struct TraceSettings {
+  CommonSettings common;
+  std::string help;  // what --help or --version asked for; then nothing else is set
+  bool list = false;
+
+  std::string scene = "builtin:stadium";
+  std::string camera;                  // a name, a number or ten numbers; empty: the scene's first, or derived
+  std::vector<std::string> methods;    // names, or "all"
+  std::vector<std::string> ray_kinds;  // names, or .npy files
+  std::string test;                    // a triangle test; empty: the first
+  std::string device = "cpu";
+  BuildOptions build;
+
+  std::uint32_t width = 1024, height = 768, spp = 1;
+  std::uint64_t count = 0;  // 0: width * height
+  int repeat = 5;
+
+  Check check = Check::embree;
+  bool check_given = false;
+  std::uint64_t judge_limit = 0;  // 0: none
+
+  bool profile_simt = false;
+  SimtSchedule schedule = SimtSchedule::while_while;
+
+  // Output files; empty: none.
+  std::string json, image, heatmap, diff, rays_out, hits_out, repro;
+
+  bool is_demo = false;  // no scene was named
+};
+
+// Errors are usage errors; names of methods, ray kinds and tests are looked up here.
+Outcome<TraceSettings> parse_trace_options(int argc, char** argv);
+
+}  // namespace accel::apps

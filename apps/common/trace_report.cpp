@@ -1,0 +1,241 @@
+#include "apps/common/trace_report.h"
+
+#include <algorithm>
+
+#include "apps/common/table.h"
+#include "apps/common/text.h"
+#include "libaccel/registry/any_accel.h"
+
+namespace accel::apps {
+
+namespace {
+
+using Align = Table::Align;
+using validation::CheckResult;
+using validation::Verdicts;
+
+constexpr const char* kMemoryClassNames[kMemoryClasses] = {"node", "tri", "stack", "hash", "ray"};
+
+std::string per_ray(std::uint64_t sum, std::uint64_t rays) {
+  return rays == 0 ? "" : short_number(static_cast<double>(sum) / static_cast<double>(rays));
+}
+
+std::string vec_text(Vec3 v) { return "(" + short_number(v.x) + " " + short_number(v.y) + " " + short_number(v.z) + ")"; }
+
+// "miss 2, false 1": the kinds of failures that occurred.
+std::string failures_text(const Verdicts& v) {
+  std::vector<std::string> parts;
+  for (const auto& [name, count] : {std::pair{"miss", v.miss}, {"far", v.far}, {"false", v.false_hit}})
+    if (count > 0) parts.push_back(std::string(name) + " " + with_commas(count));
+  return join(parts, ", ");
+}
+
+std::string section(const Terminal& terminal, const std::string& title) {
+  return "\n" + terminal.styled(title, Style::strong) + "\n";
+}
+
+// The first thing to see where something is wrong.
+std::string failures_section(const TraceReport& report, const Terminal& terminal) {
+  if (report.failures() == 0) return {};
+  std::string text = terminal.styled("WRONG HITS", Style::bad) + "\n";
+  auto repro = report.repros.begin();
+  for (const TraceRow& row : report.rows) {
+    if (!row.check || row.check->failures() == 0) continue;
+    text += "  " + row.method + ", " + row.rays_kind + ": " + counted(row.check->failures(), "ray") + " of " +
+            with_commas(row.rays) + " wrong (" + failures_text(row.check->ours) + ")\n";
+    const auto& first = row.check->first_failures;
+    for (std::size_t i = 0; i < std::min<std::size_t>(first.size(), 5); ++i)
+      text += print("    ray %zu: %s\n", first[i].ray, std::string(to_string(first[i].verdict)).c_str());
+    if (repro != report.repros.end()) text += "    to reproduce: " + *repro++ + "\n";
+  }
+  return text + "\n";
+}
+
+std::string scene_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
+  const MeshFacts& facts = report.facts;
+  std::string text = terminal.styled(report.scene, Style::strong) + "  " + counted(report.triangles, "triangle") + ", box " +
+                     vec_text(facts.bounds.lo) + " to " + vec_text(facts.bounds.hi) + ", loaded in " +
+                     seconds_text(report.load_seconds) + "\n";
+  text += print("  camera %s at %s vfov %s, %u x %u pixels, %s a pixel, seed %llu, %s\n",
+                (report.camera.name.empty() ? "" : "'" + report.camera.name + "'").c_str(), vec_text(report.camera.eye).c_str(),
+                short_number(report.camera.vfov_degrees).c_str(), settings.width, settings.height,
+                counted(settings.spp, "ray").c_str(), static_cast<unsigned long long>(settings.common.seed),
+                counted(static_cast<std::uint64_t>(report.threads), "thread").c_str());
+  return text + "  " + report.checked_by + "\n";
+}
+
+std::string structures_section(const TraceReport& report, const Terminal& terminal) {
+  Table table({{"STRUCTURE", Align::left},
+               {"build"},
+               {"memory"},
+               {"triangles"},
+               {"references"},
+               {"SAH cost"},
+               {"depth"},
+               {"left out", Align::left}});
+  for (const StructureRow& row : report.structures) {
+    const bool ours = row.report.triangles > 0 || row.report.references > 0;
+    const std::uint64_t left_out = row.report.skipped.zero_area + row.report.skipped.out_of_range;
+    table.add_row({row.name, row.build_seconds > 0 ? seconds_text(row.build_seconds) : "", bytes_text(row.bytes),
+                   ours ? with_commas(row.report.triangles) : "", ours ? with_commas(row.report.references) : "",
+                   row.facts.sah_cost ? short_number(*row.facts.sah_cost) : "",
+                   row.facts.depth ? std::to_string(*row.facts.depth) : "",
+                   left_out > 0 ? with_commas(left_out) + " that no ray can hit" : ""});
+  }
+  return section(terminal, "Structures") + table.text();
+}
+
+std::string verdict_cell(const TraceRow& row, const Terminal& terminal) {
+  if (!row.check) return row.is_witness ? "" : "not checked";
+  if (row.check->failures() > 0) return terminal.styled(with_commas(row.check->failures()) + " WRONG", Style::bad);
+  return terminal.styled(row.check->limit_binds() ? "none found wrong" : "all right", Style::good);
+}
+
+std::string speed_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
+  Table table({{"RAYS", Align::left},
+               {"method", Align::left},
+               {"rays"},
+               {"Mrays/s"},
+               {"min - max"},
+               {"x Embree"},
+               {"nodes/ray"},
+               {"tests/ray"},
+               {"hits", Align::left}});
+  const std::string* kind = nullptr;
+  for (const TraceRow& row : report.rows) {
+    const bool first = kind == nullptr || *kind != row.rays_kind;
+    kind = &row.rays_kind;
+    const TraceRow* witness = report.witness_row(row.rays_kind);
+    const bool timed = row.speed.median > 0;
+    const bool compared = timed && witness != nullptr && witness->speed.median > 0;
+    table.add_row({first ? row.rays_kind : "", row.method, first ? with_commas(row.rays) : "",
+                   timed ? short_number(row.speed.median) : "",
+                   timed ? short_number(row.speed.least) + " - " + short_number(row.speed.most) : "",
+                   compared ? print("%.2f", row.speed.median / witness->speed.median) : "",
+                   row.counters ? per_ray(row.counters->node_steps, row.rays) : "",
+                   row.counters ? per_ray(row.counters->triangle_tests, row.rays) : "", verdict_cell(row, terminal)});
+  }
+  return section(terminal, "Speed, median of " + counted(static_cast<std::uint64_t>(settings.repeat), "run") + " in turns") +
+         table.text();
+}
+
+void add_verdict_row(Table& table, const std::string& kind, const std::string& engine, const Verdicts& v, std::uint64_t rays,
+                     const Terminal& terminal) {
+  const auto bad = [&](std::uint64_t count) {
+    return count == 0 ? std::string("0") : terminal.styled(with_commas(count), Style::bad);
+  };
+  const auto wrong = validation::rate(v.failures(), rays);
+  const std::string per_million =
+      v.failures() == 0 ? "< " + short_number(wrong.bound95_per_million) : short_number(wrong.per_million);
+  table.add_row({kind, engine, with_commas(v.agree), with_commas(v.judged), with_commas(v.right), with_commas(v.neighbour),
+                 with_commas(v.edge), bad(v.miss), bad(v.far), bad(v.false_hit), per_million});
+}
+
+std::string verdict_section(const TraceReport& report, const Terminal& terminal) {
+  Table table({{"RAYS", Align::left},
+               {"engine", Align::left},
+               {"agree"},
+               {"judged"},
+               {"right"},
+               {"neighb."},
+               {"edge"},
+               {"miss"},
+               {"far"},
+               {"false"},
+               {"wrong/M"}});
+  for (const TraceRow& row : report.rows) {
+    if (!row.check) continue;
+    add_verdict_row(table, row.rays_kind, row.method, row.check->ours, row.rays, terminal);
+    if (row.check->has_witness) add_verdict_row(table, "", "Embree robust", row.check->witness, row.rays, terminal);
+  }
+  return section(terminal,
+                 "Verdicts: of rays that agree with the witness a sample is judged exactly, of all others every one") +
+         table.text();
+}
+
+std::string adjudication_section(const TraceReport& report, const Terminal& terminal) {
+  Table table({{"RAYS", Align::left},
+               {"method", Align::left},
+               {"both right"},
+               {"only ours"},
+               {"only Embree"},
+               {"both wrong"},
+               {"t ulp mean"},
+               {"p99"},
+               {"max"}});
+  for (const TraceRow& row : report.rows) {
+    if (!row.check) continue;
+    const auto& a = row.check->adjudication;
+    const auto& e = row.check->errors;
+    const bool two = row.check->has_witness, measured = e.samples > 0;
+    table.add_row({row.rays_kind, row.method, two ? with_commas(a.both_right) : "", two ? with_commas(a.only_ours_right) : "",
+                   two ? with_commas(a.only_witness_right) : "", two ? with_commas(a.both_wrong) : "",
+                   measured ? short_number(e.t_ulp_mean) : "", measured ? short_number(e.t_ulp_p99) : "",
+                   measured ? short_number(e.t_ulp_max) : ""});
+  }
+  return section(terminal, "Adjudication of judged rays, and error of t against exact arithmetic") + table.text();
+}
+
+std::string simt_section(const TraceReport& report, const Terminal& terminal) {
+  Table table({{"RAYS", Align::left},
+               {"method", Align::left},
+               {"all"},
+               {"descend"},
+               {"intersect"},
+               {"backtrack"},
+               {"lines/ray"},
+               {"bytes/ray by class", Align::left}});
+  const auto percent = [](double share) { return print("%.1f %%", 100 * share); };
+  for (const TraceRow& row : report.rows) {
+    if (!row.simt) continue;
+    const SimtProfile& p = *row.simt;
+    std::uint64_t lines = 0;
+    std::vector<std::string> bytes;
+    for (int c = 0; c < kMemoryClasses; ++c) {
+      lines += p.traffic[c].lines;
+      if (p.traffic[c].bytes > 0)
+        bytes.push_back(std::string(kMemoryClassNames[c]) + " " + per_ray(p.traffic[c].bytes, p.rays));
+    }
+    table.add_row({row.rays_kind, row.method, percent(p.efficiency()), percent(p.descend.efficiency()),
+                   percent(p.intersect.efficiency()), percent(p.backtrack.efficiency()), per_ray(lines, p.rays),
+                   join(bytes, ", ")});
+  }
+  return section(terminal, "SIMT profile: share of 32 lanes at work, distinct 128-byte lines") + table.text();
+}
+
+std::string skipped_section(const TraceReport& report) {
+  std::string text;
+  for (const Skip& skip : report.skipped) text += "  skipped: " + skip.what + ", because " + skip.why + "\n";
+  return text.empty() ? text : "\n" + text;
+}
+
+template <class Condition>
+bool any_row(const TraceReport& report, Condition condition) {
+  return std::any_of(report.rows.begin(), report.rows.end(), condition);
+}
+
+}  // namespace
+
+std::uint64_t TraceReport::failures() const {
+  std::uint64_t sum = 0;
+  for (const TraceRow& row : rows) sum += row.check ? row.check->failures() : 0;
+  return sum;
+}
+
+const TraceRow* TraceReport::witness_row(const std::string& rays_kind) const {
+  for (const TraceRow& row : rows)
+    if (row.is_witness && row.rays_kind == rays_kind) return &row;
+  return nullptr;
+}
+
+std::string report_text(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
+  const bool checked = any_row(report, [](const TraceRow& row) { return row.check.has_value(); });
+  const bool profiled = any_row(report, [](const TraceRow& row) { return row.simt.has_value(); });
+  std::string text = failures_section(report, terminal) + scene_section(report, settings, terminal) +
+                     structures_section(report, terminal) + speed_section(report, settings, terminal);
+  if (checked) text += verdict_section(report, terminal) + adjudication_section(report, terminal);
+  if (profiled) text += simt_section(report, terminal);
+  return text + skipped_section(report);
+}
+
+}  // namespace accel::apps

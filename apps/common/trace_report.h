@@ -1,0 +1,72 @@
+// What a run of accel-trace found out, for the tables and for JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/measure.h"
+#include "apps/common/scene.h"
+#include "apps/common/structure_facts.h"
+#include "apps/common/terminal.h"
+#include "apps/common/trace_options.h"
+#include "libaccel/exec/counters.h"
+#include "libaccel/exec/simt_profile.h"
+#include "validation/compare/compare.h"
+
+namespace accel::apps {
+
+// Something that was left out, and why.
+struct Skip {
+  std::string what, why;
+};
+
+// A structure that was built, or the witness's.
+struct StructureRow {
+  std::string name;
+  double build_seconds = 0;
+  std::uint64_t bytes = 0;
+  BuildReport report;
+  StructureFacts facts;
+};
+
+// A method or the witness, and a kind of rays.
+struct TraceRow {
+  std::string method, rays_kind;
+  std::uint64_t rays = 0;
+  Speed speed;
+  std::vector<Measurement::Pass> passes;
+  std::size_t structure = 0;                     // its row among the structures
+  std::optional<Counters> counters;              // not for the witness
+  std::optional<validation::CheckResult> check;  // not for the witness, and not when nothing is checked
+  std::optional<SimtProfile> simt;
+  bool is_witness = false;
+};
+
+struct TraceReport {
+  std::string scene;
+  std::uint64_t triangles = 0;
+  MeshFacts facts;
+  double load_seconds = 0;
+  CameraDescription camera;
+  int threads = 0;         // that were used
+  std::string device;      // "cpu", or the CUDA device's name
+  std::string witness;     // "Embree 3.13.5 (avx2)", or empty
+  std::string checked_by;  // what --check amounts to, in words
+  std::vector<StructureRow> structures;
+  std::vector<TraceRow> rows;  // by kind of rays, the witness last
+  std::vector<Skip> skipped;
+  std::vector<std::string> repros;  // bundles that were written, one for each row with failures, in order
+
+  std::uint64_t failures() const;
+  // The witness's row for a kind of rays, or null.
+  const TraceRow* witness_row(const std::string& rays_kind) const;
+};
+
+// The tables: failures first, if there are any. 100 columns at most.
+std::string report_text(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal);
+
+// Google Benchmark's shape: "context" and "benchmarks".
+std::string report_json(const TraceReport& report, const TraceSettings& settings);
+
+}  // namespace accel::apps

@@ -1,0 +1,223 @@
+#include "apps/common/trace_run.h"
+
+#include <tbb/info.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/common/checker.h"
+#include "apps/common/device_engine.h"
+#include "apps/common/image.h"
+#include "apps/common/method_set.h"
+#include "apps/common/ray_batch.h"
+#include "apps/common/text.h"
+#include "apps/common/trace_pictures.h"
+#include "libaccel/io/npy.h"
+
+namespace accel::apps {
+
+namespace {
+
+class TraceRun {
+ public:
+  TraceRun(const TraceSettings& settings, ProgressBar& bar, Scene scene, std::string device)
+      : settings_(settings), bar_(bar), scene_(std::move(scene)) {
+    report_.device = std::move(device);
+  }
+
+  Outcome<TraceReport> run() {
+    if (auto done = describe_scene(); !done) return done.failure();
+    auto set = prepare_methods(scene_, settings_, bar_, report_.skipped);
+    if (!set) return set.failure();
+    if (set->members.empty()) return Failure(ExitStatus::error, "no method fits '" + scene_.name + "'; --list shows all");
+    auto maker = RayMaker::create(scene_, settings_, set->members.front().accel);
+    if (!maker) return maker.failure();
+    report_.camera = maker->camera();
+    auto checker = Checker::create(scene_, settings_, bar_, report_.skipped);
+    if (!checker) return checker.failure();
+    describe_structures(*set, *checker);
+    if (auto done = make_engines(*set); !done) return done.failure();
+    for (const std::string& kind : settings_.ray_kinds)
+      if (auto done = trace_kind(kind, *set, *maker, *checker); !done) return done.failure();
+    if (auto done = write_view(*maker); !done) return done.failure();
+    return std::move(report_);
+  }
+
+ private:
+  Finished describe_scene() {
+    report_.scene = scene_.name;
+    report_.triangles = scene_.mesh().size();
+    report_.facts = scene_.facts;
+    report_.load_seconds = scene_.load_seconds;
+    report_.threads = settings_.common.threads > 0 ? settings_.common.threads : tbb::info::default_concurrency();
+    return Done{};
+  }
+
+  void describe_structures(const MethodSet& set, const Checker& checker) {
+    report_.structures = set.structures;
+    report_.checked_by = checker.description();
+    report_.witness = checker.witness_name();
+    if (checker.fast()) {
+      witness_structure_ = report_.structures.size();
+      report_.structures.push_back(
+          {"Embree (medium, fast)", checker.fast()->build_seconds(), checker.fast()->size_bytes(), {}, {}});
+    }
+  }
+
+  Finished make_engines(const MethodSet& set) {
+    for (const MethodSet::Member& member : set.members) {
+      if (settings_.device == "cpu") {
+        engines_.push_back(engine_of(member.accel, trace_options()));
+        continue;
+      }
+      auto engine = device_engine_of(member.accel, settings_.test);
+      if (!engine) return engine.failure();
+      engines_.push_back(*std::move(engine));
+    }
+    return Done{};
+  }
+
+  // Everything about one kind of rays: time all methods and the witness in turns, count, check.
+  Finished trace_kind(const std::string& kind, MethodSet& set, RayMaker& maker, Checker& checker) {
+    bar_.begin("tracing " + kind);
+    auto batch = maker.make(kind);
+    if (!batch) return batch.failure();
+    std::vector<Engine> engines = engines_;
+    if (checker.fast()) engines.push_back(checker.engine());
+    auto measured = measure(engines, batch->rays(), batch->query, settings_.repeat, bar_);
+    if (!measured) return measured.failure();
+
+    auto testimony = checker.testify(*batch);
+    if (!testimony) return testimony.failure();
+    for (std::size_t m = 0; m < set.members.size(); ++m) {
+      const bool is_first = m == 0 && kind == settings_.ray_kinds.front();
+      const Traced traced{set.members[m], engines[m], *batch, (*measured)[m], *testimony, is_first};
+      if (auto done = examine(traced, maker, checker); !done) return done;
+    }
+    if (checker.fast()) add_witness_row(*batch, measured->back());
+    return Done{};
+  }
+
+  // A method's answers to a batch, and what they are compared with.
+  struct Traced {
+    const MethodSet::Member& member;
+    const Engine& engine;
+    const RayBatch& batch;
+    const Measurement& measured;
+    const Answers& testimony;
+    bool is_first;  // the method and kind that files are about
+  };
+
+  Finished examine(const Traced& traced, RayMaker& maker, Checker& checker) {
+    const std::string& method = traced.member.accel.method().name;
+    TraceRow row{
+        method, traced.batch.name, traced.batch.size(), traced.measured.speed, traced.measured.passes, traced.member.structure};
+    std::vector<std::uint32_t> steps(traced.is_first && !settings_.heatmap.empty() ? traced.batch.size() : 0);
+    if (auto done = count(traced, steps, row); !done) return done;
+    if (auto done = profile(traced, row); !done) return done;
+    if (checker.checks()) {
+      bar_.begin("checking " + method + ", " + traced.batch.name);
+      auto checked =
+          checker.check(traced.batch, traced.measured.answers, traced.testimony, traced.is_first && !settings_.diff.empty());
+      if (!checked) return checked.failure();
+      row.check = *std::move(checked);
+    }
+    if (traced.is_first)
+      if (auto done = write_files(traced, row, steps, maker, checker); !done) return done;
+    report_.rows.push_back(std::move(row));
+    return Done{};
+  }
+
+  Finished count(const Traced& traced, std::span<std::uint32_t> steps, TraceRow& row) {
+    bar_.begin("counting steps of " + traced.engine.name);
+    Counters total;
+    const std::span<const Ray> rays = traced.batch.rays();
+    for (std::size_t begin = 0; begin < rays.size(); begin += traced.engine.rays_per_call) {
+      if (!bar_.update(traced.batch.name, static_cast<double>(begin) / static_cast<double>(rays.size())))
+        return Error{std::string(kInterrupted)};
+      const std::size_t size = std::min(traced.engine.rays_per_call, rays.size() - begin);
+      const auto part = steps.empty() ? steps : steps.subspan(begin, size);
+      const auto counted_part = traced.member.accel.count(rays.subspan(begin, size), traced.batch.query, part, trace_options());
+      if (!counted_part) return counted_part.error();
+      total += *counted_part;
+    }
+    row.counters = total;
+    return Done{};
+  }
+
+  Finished profile(const Traced& traced, TraceRow& row) {
+    if (!settings_.profile_simt) return Done{};
+    bar_.begin("simulating warps of " + traced.engine.name);
+    auto simulated =
+        traced.member.accel.profile_simt(traced.batch.rays(), traced.batch.query, {settings_.schedule}, trace_options());
+    if (!simulated) return simulated.error();
+    row.simt = *simulated;
+    return Done{};
+  }
+
+  void add_witness_row(const RayBatch& batch, const Measurement& measured) {
+    TraceRow row{"Embree", batch.name, batch.size(), measured.speed, measured.passes, witness_structure_};
+    row.is_witness = true;
+    report_.rows.push_back(std::move(row));
+  }
+
+  Finished write_files(const Traced& traced, const TraceRow& row, std::span<const std::uint32_t> steps, RayMaker& maker,
+                       Checker& checker) {
+    if (!settings_.rays_out.empty())
+      if (const Status s = write_rays_npy(settings_.rays_out, traced.batch.rays()); !s) return s.error();
+    if (!settings_.hits_out.empty())
+      if (const Status s = write_hits(traced); !s) return s.error();
+    const std::string subject = row.method + ", " + row.rays_kind + ", " + scene_.title;
+    if (!settings_.heatmap.empty()) {
+      const HeatPicture picture = heat_picture(steps, traced.batch.set, maker.picture_size(), subject);
+      if (auto done = write_heat(settings_.heatmap, picture, "steps"); !done) return done;
+    }
+    if (settings_.diff.empty()) return Done{};
+    const Difference difference{traced.batch, traced.measured.answers, traced.testimony, *row.check, checker.judge()};
+    const DifferencePictures pictures = difference_pictures(difference, maker.picture_size(), subject);
+    return write_classes(settings_.diff, pictures.distance, pictures.verdicts, "t_difference_ulp");
+  }
+
+  // Any-hit answers have no t and no primitive: they are written as prim_id 0 for occluded.
+  Status write_hits(const Traced& traced) {
+    const Answers& answers = traced.measured.answers;
+    if (traced.batch.query == Query::closest) return write_hits_npy(settings_.hits_out, answers.hits.span());
+    std::vector<Hit> hits(answers.occluded.size());
+    for (std::size_t i = 0; i < hits.size(); ++i)
+      if (answers.occluded[i] != 0) hits[i] = Hit{0, 0, 0, 0};
+    return write_hits_npy(settings_.hits_out, hits);
+  }
+
+  Finished write_view(RayMaker& maker) {
+    if (settings_.image.empty()) return Done{};
+    auto view = maker.view();
+    if (!view) return view.failure();
+    return write_shaded(settings_.image, shade(scene_.mesh(), view->rays, view->hits, maker.picture_size()));
+  }
+
+  TraceOptions trace_options() const { return {settings_.common.threads, settings_.test}; }
+
+  const TraceSettings& settings_;
+  ProgressBar& bar_;
+  Scene scene_;
+  TraceReport report_;
+  std::vector<Engine> engines_;  // one for each method
+  std::size_t witness_structure_ = 0;
+};
+
+}  // namespace
+
+Outcome<TraceReport> run_trace(const TraceSettings& settings, ProgressBar& bar) {
+  std::string device = "cpu";
+  if (settings.device == "cuda") {
+    auto found = find_device();
+    if (!found) return found.failure();
+    device = *found;
+  }
+  bar.begin("loading " + settings.scene);
+  auto scene = open_scene(settings.scene, settings.common.seed, bar.callback());
+  if (!scene) return scene.failure();
+  return TraceRun(settings, bar, *std::move(scene), std::move(device)).run();
+}
+
+}  // namespace accel::apps
