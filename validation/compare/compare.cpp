@@ -59,13 +59,18 @@ class Comparison {
     result_.witness.agree = result_.ours.agree;
   }
 
+  // Whether a ray belongs to the sample of all rays that is judged whatever the witness says.
+  bool in_sample(std::size_t ray) const {
+    return !answers_.has_witness() || CounterRng(options_.seed, ray).next_double() < options_.sample_share;
+  }
+
   // Fills chosen_: the disagreeing rays and a sample of the agreeing ones, within the limit, in order.
   void choose() {
     std::vector<std::size_t> sample;
     for (std::size_t i = 0; i < answers_.size(); ++i) {
       if (!agrees_[i]) {
         chosen_.push_back(i);
-      } else if (CounterRng(options_.seed, i).next_double() < options_.sample_share) {
+      } else if (in_sample(i)) {
         sample.push_back(i);
       }
     }
@@ -127,14 +132,16 @@ class Comparison {
   }
 
   void measure_errors() {
-    std::vector<double> t_ulp;
+    std::vector<double> t_ulp;  // of the sample
     HitErrors& errors = result_.errors;
-    for (const Judgement& j : judgements_) {
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      const Judgement& j = judgements_[i];
       if (std::isnan(j.t_ulp)) continue;
-      t_ulp.push_back(j.t_ulp);
-      errors.t_ulp_mean += j.t_ulp;
       errors.t_ulp_max = std::max(errors.t_ulp_max, j.t_ulp);
       errors.barycentric_max = std::max(errors.barycentric_max, j.barycentric);
+      if (!in_sample(chosen_[i])) continue;
+      t_ulp.push_back(j.t_ulp);
+      errors.t_ulp_mean += j.t_ulp;
     }
     errors.samples = t_ulp.size();
     if (t_ulp.empty()) return;

@@ -20,7 +20,7 @@ namespace accel::validation {
 
 struct CompareOptions {
   std::uint64_t seed = 1;
-  double sample_share = 0.01;     // of the agreeing rays, judged too
+  double sample_share = 0.01;     // of all rays: judged even where the witness agrees
   std::uint64_t max_judged = 0;   // 0: no limit. Where it binds, disagreeing rays come first, evenly spread over the batch
   int threads = 0;                // 0: as many as the machine has
   bool keep_verdicts = false;     // fill CheckResult::verdicts
@@ -44,8 +44,11 @@ struct Adjudication {
 };
 
 // How far our hits with verdict `right` are from the exact ones. Units in the last place are those of t* as a float.
+//
+// Rays on which engines disagree are the hard ones, so mean and percentile are taken over the seeded sample of all rays alone
+// (all of them without a witness); the maxima over every judged ray.
 struct HitErrors {
-  std::uint64_t samples = 0;
+  std::uint64_t samples = 0;  // behind the mean and the percentile
   double t_ulp_mean = 0, t_ulp_p99 = 0, t_ulp_max = 0;
   double barycentric_max = 0;  // of |u - u*| and |v - v*|
 };
