@@ -1,17 +1,22 @@
 // Watertight ray-triangle intersection: Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT 2(1).
 //
-// The vertices are moved so that the ray starts at the origin and sheared so that it runs along +z; the triangle is hit when the
-// three edge functions U, V, W of its projection have no two different signs. Every vertex is rounded the same way in each triangle
-// that uses it, and the edge function of a shared edge is the same number with the opposite sign in both triangles, so a ray
-// cannot pass between them.
+// The vertices are moved so that the ray starts at the origin and sheared so that it runs along +z; the triangle is hit when
+// the three edge functions U, V, W of its projection have no two different signs. Every vertex is rounded the same way in each
+// triangle that uses it, and the edge function of a shared edge is the same number with the opposite sign in both triangles, so
+// a ray cannot pass between them.
 //
 // Why no contraction: fl(a b) - fl(c d) has the right sign or is zero, because rounding is monotone. fma(a, b, -fl(c d)) is not
 // antisymmetric in its two products, and the argument falls. This file is compiled with -ffp-contract=off, on CUDA -fmad=false.
 //
-// Deviations from the paper. No double-precision fallback when an edge function is zero: without contraction, zero counts as
-// inside on both sides and nothing leaks. No back-face culling, hence no swap of axes for negative directions. The barycentric
-// coordinates are divided out before t is formed, so that t needs no triple product of lengths: scenes of features between
-// 2^-60 and 2^60 neither underflow nor overflow, and scaling scene and ray by 2^k scales t exactly.
+// An edge function that is rounded to zero has lost its sign. Counting zero as inside leaks nothing, but a triangle that is
+// 2^-24 times as large as its distance from the ray would be hit wherever it lies, since all three of its edge functions may
+// vanish. So a candidate with a zero is tested again in double, where the products are exact.
+//
+// Deviations from the paper. The double-precision test runs only for triangles that the single-precision one accepts, which
+// rejects none that are hit: a nonzero edge function has the right sign. No back-face culling, hence no swap of axes for
+// negative directions. The barycentric coordinates are divided out before t is formed, so that t needs no triple product of
+// lengths: scenes of features between 2^-60 and 2^60 neither underflow nor overflow, and scaling scene and ray by 2^k scales t
+// exactly.
 //
 // Errors (u = 2^-24, all bounds relative to |v - org| per axis): a sheared coordinate has an error of at most
 // u |v_x - o_x| + gamma(4) |S_x (v_z - o_z)| + u |A_x|; validation/compare/error_bounds.h builds the judge's bounds on this.
@@ -66,16 +71,17 @@ struct Watertight {
       y[i] = (qy.vertex[i] - ray.org_y) - ray.shear_y * z[i];
     }
 
-    // Edge functions: U opposite vertex 0, V opposite vertex 1, W opposite vertex 2.
-    const float u = x[2] * y[1] - y[2] * x[1];
-    const float v = x[0] * y[2] - y[0] * x[2];
-    const float w = x[1] * y[0] - y[1] * x[0];
-    const bool inside = (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
-    if (!inside) return false;
-    const float det = (u + v) + w;
+    // Edge functions, each opposite the vertex of its number.
+    float uvw[3] = {x[2] * y[1] - y[2] * x[1], x[0] * y[2] - y[0] * x[2], x[1] * y[0] - y[1] * x[0]};
+    if (!all_on_one_side(uvw)) return false;
+    if (uvw[0] == 0 || uvw[1] == 0 || uvw[2] == 0) {
+      refine_edge_functions(x, y, uvw);
+      if (!all_on_one_side(uvw)) return false;
+    }
+    const float det = (uvw[0] + uvw[1]) + uvw[2];
     if (!(det != 0)) return false;
 
-    const float b0 = u / det, b1 = v / det, b2 = w / det;
+    const float b0 = uvw[0] / det, b1 = uvw[1] / det, b2 = uvw[2] / det;
     hit.t = ((b0 * z[0] + b1 * z[1]) + b2 * z[2]) / ray.dir_z;
     hit.u = b1, hit.v = b2;
     return true;

@@ -14,9 +14,23 @@
 #define ACCEL_SSE 0
 #endif
 
-#if ACCEL_SSE
 namespace accel {
 
+// The edge functions of a projected triangle, rounded once each, hence with the exact signs: products of floats are exact in
+// double.
+ACCEL_HD void refine_edge_functions(const float x[3], const float y[3], float uvw[3]) {
+  for (int i = 0; i < 3; ++i) {
+    const int next = i == 2 ? 0 : i + 1, last = i == 0 ? 2 : i - 1;
+    uvw[i] = static_cast<float>(static_cast<double>(x[last]) * y[next] - static_cast<double>(y[last]) * x[next]);
+  }
+}
+
+// Whether no two of the three have different signs.
+ACCEL_HD bool all_on_one_side(const float uvw[3]) {
+  return (uvw[0] >= 0 && uvw[1] >= 0 && uvw[2] >= 0) || (uvw[0] <= 0 && uvw[1] <= 0 && uvw[2] <= 0);
+}
+
+#if ACCEL_SSE
 template <class RayData>
 inline __attribute__((always_inline)) bool watertight_sse(const PackedTriangle& triangle, const RayData& ray, Hit& hit) {
   // Lane 3 holds prim_id bits, which as a float may be denormal and slow to multiply: it is cleared.
@@ -30,12 +44,19 @@ inline __attribute__((always_inline)) bool watertight_sse(const PackedTriangle& 
   // Lane i of `next` is vertex i + 1, of `last` vertex i + 2 (mod 3); the edge function of lane i is opposite vertex i.
   const auto next = [](__m128 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); };
   const auto last = [](__m128 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(0, 1, 0, 2)); };
-  const __m128 uvw = _mm_sub_ps(_mm_mul_ps(last(x), next(y)), _mm_mul_ps(last(y), next(x)));
+  __m128 uvw = _mm_sub_ps(_mm_mul_ps(last(x), next(y)), _mm_mul_ps(last(y), next(x)));
 
   const __m128 zero = _mm_setzero_ps();
   const int not_negative = _mm_movemask_ps(_mm_cmpge_ps(uvw, zero)) & 7;
   const int not_positive = _mm_movemask_ps(_mm_cmple_ps(uvw, zero)) & 7;
   if (not_negative != 7 && not_positive != 7) return false;
+  if ((not_negative & not_positive) != 0) {  // an edge function is zero
+    alignas(16) float xs[4], ys[4], edges[4] = {};
+    _mm_store_ps(xs, x), _mm_store_ps(ys, y);
+    refine_edge_functions(xs, ys, edges);
+    if (!all_on_one_side(edges)) return false;
+    uvw = _mm_load_ps(edges);
+  }
 
   const __m128 v = _mm_shuffle_ps(uvw, uvw, _MM_SHUFFLE(1, 1, 1, 1)), w = _mm_movehl_ps(uvw, uvw);
   const float det = _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(uvw, v), w));
@@ -50,5 +71,6 @@ inline __attribute__((always_inline)) bool watertight_sse(const PackedTriangle& 
   return true;
 }
 
-}  // namespace accel
 #endif
+
+}  // namespace accel

@@ -124,6 +124,22 @@ TEST(Watertight, DegenerateTrianglesMissOrLieOnTheirLine) {
   }
 }
 
+// Triangles that are tiny beside their distance from the ray: all products of their coordinates round to nearly the same
+// number, and only their exact difference tells on which side the ray passes.
+TEST(Watertight, TinyTrianglesFarFromTheRayAreMissed) {
+  for (std::uint64_t i = 0; i < 100'000; ++i) {
+    CounterRng rng(8, i);
+    const float size = std::ldexp(1.0f, -16 - static_cast<int>(i % 12));
+    const Vec3 at = validation::random_in_cube(rng, 1);
+    const Triangle triangle{at + validation::random_in_cube(rng, size), at + validation::random_in_cube(rng, size),
+                            at + validation::random_in_cube(rng, size)};
+    const Ray ray{.org = validation::random_in_cube(rng, 4), .dir = validation::random_in_cube(rng, 1)};
+    const Vec3 to_ray = cross(at - ray.org, ray.dir);
+    if (dot(to_ray, to_ray) < 0.01f * dot(ray.dir, ray.dir)) continue;  // passes within a tenth
+    EXPECT_FALSE(hits(pack(triangle, 0), ray)) << i;
+  }
+}
+
 Vec3 scaled(Vec3 v, int k) { return {std::ldexp(v.x, k), std::ldexp(v.y, k), std::ldexp(v.z, k)}; }
 
 // Scaling scene and origin by 2^k scales t; scaling the direction as well leaves it alone. No bit may change otherwise.
