@@ -1,12 +1,11 @@
 // Clusters of triangles along a diagonal line, each kRatio times smaller and nearer to the origin than the one before.
 //
-// Why a SAH builder goes deep here. Let R triangles remain inside the box of a level, c of them in its outermost cluster, and
-// let q = 1 / kRatio^2 be the area of the next level's box as a share of this one's. Cutting off the outermost cluster costs
-// about a c + q R, where a < 1 is the area of the cluster's own box; cutting off the two outermost clusters together costs
-// about 2 c + q^2 R, because one box must then span both. While c > R / 10, the single cut is the cheaper one, so every cluster
-// costs the tree one level at least, and a chain of kLevels of them a depth of more than kLevels. Cluster sizes therefore grow
-// outwards by a constant factor, from one triangle in the middle. Binned builders see the same: all inner clusters share the
-// first bins.
+// Why a SAH builder goes deep here. A level's box [0, 1]^3 holds its outermost cluster of c triangles in [0.6, 1]^3 and R
+// triangles of all inner levels in [0, 1/3]^3. With areas as shares of the level's box, cutting off the cluster costs 0.16 c +
+// 0.11 R. Cutting off the two outermost clusters at once costs about 0.64 (c + c') + 0.012 R', because their common box spans
+// [0.2, 1]^3. The first is the cheaper as long as c is at least a tenth of R, so every cluster costs the tree a level, and a
+// chain of kLevels of them a depth of nearly kLevels. Cluster sizes therefore grow outwards by a constant factor, from one
+// triangle in the middle. Binned builders see the same: all inner clusters share the first bins.
 //
 // Coordinates reach from 2^-60 to 2^58: within the range where the triangle tests neither underflow nor overflow.
 #include <algorithm>
@@ -20,10 +19,10 @@
 namespace accel {
 namespace {
 
-constexpr double kRatio = 2.5;
+constexpr double kRatio = 3;
 constexpr double kLargest = 0x1p58;
-constexpr int kLevels = 88;  // kRatio^-kLevels is about 2^-116.3
-constexpr double kLeastGrowth = 1.1;
+constexpr int kLevels = 75;  // kRatio^-kLevels is about 2^-118.9
+constexpr double kLeastGrowth = 1.12;
 
 // Sizes of the clusters from the innermost one, when each is `growth` - 1 times all that lie within it, but at least one
 // triangle.
@@ -68,7 +67,8 @@ Vec3d corner_of(CounterRng rng, std::uint32_t corner, double scale) {
 }  // namespace
 
 SceneData make_deep(std::uint64_t size, std::uint64_t seed) {
-  const std::vector<std::uint64_t> sizes = cluster_sizes(growth_for(size));
+  std::vector<std::uint64_t> sizes = cluster_sizes(growth_for(size));
+  sizes.back() += size - std::min(size, sum(sizes));
   MeshBuilder builder;
   for (int level = 0; level < kLevels; ++level) {
     const double scale = kLargest * std::pow(kRatio, level - (kLevels - 1));

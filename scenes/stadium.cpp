@@ -189,7 +189,7 @@ void add_twisted_ring(MeshBuilder& builder, Vec3d center, double scale, double b
 void add_pebble(MeshBuilder& builder, Vec3d center, double radius, double budget, std::uint64_t seed) {
   builder.add_sphere(std::max(2u, steps_for(budget, 8)), [=](Vec3d unit) {
     const Vec3d bent = unit + Vec3d{noise(unit * 1.7, seed), noise(unit * 1.7, seed + 1), noise(unit * 1.7, seed + 2)} * 0.5;
-    const double folds = 0.5 + 0.5 * std::sin(14 * fractal_noise(bent * 1.3, 2, seed + 3));
+    const double folds = 0.5 + 0.5 * std::sin(8 * fractal_noise(bent * 1.3, 2, seed + 3));
     return center + unit * (radius * (0.92 + 0.14 * folds * folds + 0.03 * fractal_noise(bent * 7, 4, seed + 9)));
   });
 }

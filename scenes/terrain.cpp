@@ -28,7 +28,7 @@ SceneData make_terrain(std::uint64_t size, std::uint64_t seed) {
   builder.add_grid(n, n, GridShape::open, [=](double u, double v) {
     return Vec3d{kSide * (u - 0.5), height_at(u, v, seed), kSide * (0.5 - v)};
   });
-  return {builder.build(), {{{0, 3200, 7200}, {0, 300, 0}, {0, 1, 0}, 45, "default"}}, {}};
+  return {builder.build(), {{{1500, 2700, 5200}, {0, 500, 0}, {0, 1, 0}, 45, "default"}}, {}};
 }
 
 }  // namespace accel
