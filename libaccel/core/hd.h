@@ -12,5 +12,17 @@
 #define ACCEL_HD inline __attribute__((always_inline))
 #endif
 
+// A copy of 16 bytes that no one writes while rays are traced: one load through a device's read-only path, however few of the bytes
+// are used; a plain copy on the host.
+template <class T>
+ACCEL_HD T load_16_bytes(const T& object) {
+  static_assert(sizeof(T) == 16 && alignof(T) == 16);
+#if defined(__CUDA_ARCH__)
+  return __builtin_bit_cast(T, __ldg(reinterpret_cast<const uint4*>(&object)));
+#else
+  return object;
+#endif
+}
+
 // Checks an invariant of the library itself in debug builds. Never used for input: input errors return a Result.
 #define ACCEL_ASSERT(condition) assert(condition)

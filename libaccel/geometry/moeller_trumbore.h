@@ -22,8 +22,8 @@ struct MoellerTrumbore {
 
   // Whether the ray meets the triangle at a t >= t_min. If so, t, u and v of `hit` are set.
   ACCEL_HD static bool intersect(const PackedTriangle& triangle, const Ray& ray, const RayData&, Hit& hit) {
-    const Vec3 v0 = triangle.vertex(0);
-    const Vec3 e1 = triangle.vertex(1) - v0, e2 = triangle.vertex(2) - v0;
+    const auto [v0, v1, v2] = triangle.vertices();
+    const Vec3 e1 = v1 - v0, e2 = v2 - v0;
     const Vec3 p = cross(ray.dir, e2);
     const float det = dot(e1, p);
     if (!(det != 0.0f)) return false;

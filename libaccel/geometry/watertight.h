@@ -59,9 +59,9 @@ struct Watertight {
 
   // The portable version: bit-identical to the SIMD ones, which tests compare with it.
   ACCEL_HD static bool intersect_scalar(const PackedTriangle& triangle, const RayData& ray, Hit& hit) {
-    const PackedTriangle::Quad& qx = triangle.axis[ray.kx];
-    const PackedTriangle::Quad& qy = triangle.axis[ray.ky];
-    const PackedTriangle::Quad& qz = triangle.axis[ray.kz];
+    const PackedTriangle::Quad qx = triangle.coordinate(ray.kx);
+    const PackedTriangle::Quad qy = triangle.coordinate(ray.ky);
+    const PackedTriangle::Quad qz = triangle.coordinate(ray.kz);
 
     // Vertices relative to the origin, sheared into the ray's frame.
     float x[3], y[3], z[3];

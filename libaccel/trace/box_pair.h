@@ -1,14 +1,15 @@
 // Ray against the two boxes of a Bvh2Node: the slab test of Kay and Kajiya 1986, robust in the sense of Ize 2013.
 //
 // A box is entered at the largest and left at the smallest of the ray's distances to its near and far planes. The distance to a
-// plane, (plane - org) * inv_dir, has a relative error of at most gamma(3). The triangle test accepts hits on triangles whose vertices
-// it has rounded, by at most gamma(5) of their distance from the origin along each axis (watertight.h), so a hit may lie that much
-// outside of its box. Both errors, of the near and of the far plane, are covered by scaling the far distance by kFarScale =
-// 1 + 2 gamma(8); the interval's end is scaled with it, so that a tie with the best hit is never culled.
+// plane, (plane - org) * inv_dir, has a relative error of at most gamma(3). The triangle test accepts hits on triangles whose
+// vertices it has rounded, by at most gamma(5) of their distance from the origin along each axis (watertight.h), so a hit may
+// lie that much outside of its box. Both errors, of the near and of the far plane, are covered by scaling the far distance by
+// kFarScale = 1 + 2 gamma(8); the interval's end is scaled with it, so that a tie with the best hit is never culled.
 //
-// Zero direction components make inv_dir infinite: planes on one side give +inf or -inf, and a plane through the origin gives NaN,
-// which the comparisons drop: the slab then does not restrict the ray, as it should. Directions too small for a finite reciprocal
-// (denormals) use the largest float towards near planes and infinity towards far planes, which keeps both distances conservative.
+// Zero direction components make inv_dir infinite: planes on one side give +inf or -inf, and a plane through the origin gives
+// NaN, which the comparisons drop: the slab then does not restrict the ray, as it should. Directions too small for a finite
+// reciprocal (denormals) use the largest float towards near planes and infinity towards far planes, which keeps both distances
+// conservative.
 #pragma once
 
 #include <cstdint>
@@ -36,6 +37,11 @@ struct ScalarBoxPairTest {
   std::uint32_t near_at[3];  // per axis: index in Bvh2Node::planes of child 0's near plane: 0, or 2 where dir is negative
   float t_min;
 
+  // A row of Bvh2Node::planes.
+  struct alignas(16) Planes {
+    float at[4];
+  };
+
   ACCEL_HD static ScalarBoxPairTest prepare(const Ray& ray, float t_min) {
     ScalarBoxPairTest test;
     test.org = ray.org, test.t_min = t_min;
@@ -51,26 +57,25 @@ struct ScalarBoxPairTest {
   }
 
   ACCEL_HD BoxPairHit intersect(const Bvh2Node& node, float t_max) const {
-    float t_near[2];
-    std::uint32_t mask = 0;
-    for (int c = 0; c < 2; ++c) {
-      float enter = t_min, leave = t_max;
-      for (int a = 0; a < 3; ++a) {
-        const float near_t = (node.planes[a][near_at[a] + c] - org[a]) * inv_near[a];
-        const float far_t = (node.planes[a][(near_at[a] ^ 2u) + c] - org[a]) * inv_far[a];
-        enter = max_of(near_t, enter);
-        leave = min_of(far_t, leave);
+    float enter[2] = {t_min, t_min}, leave[2] = {t_max, t_max};
+    for (int a = 0; a < 3; ++a) {
+      const Planes planes = load_16_bytes(reinterpret_cast<const Planes&>(node.planes[a]));
+      const bool backwards = near_at[a] != 0;
+      for (int c = 0; c < 2; ++c) {
+        const float near_t = ((backwards ? planes.at[2 + c] : planes.at[c]) - org[a]) * inv_near[a];
+        const float far_t = ((backwards ? planes.at[c] : planes.at[2 + c]) - org[a]) * inv_far[a];
+        enter[c] = max_of(near_t, enter[c]);
+        leave[c] = min_of(far_t, leave[c]);
       }
-      t_near[c] = enter;
-      mask |= enter <= leave * kFarScale ? 1u << c : 0u;
     }
-    return {mask, t_near[0], t_near[1]};
+    const std::uint32_t mask = (enter[0] <= leave[0] * kFarScale ? 1u : 0u) | (enter[1] <= leave[1] * kFarScale ? 2u : 0u);
+    return {mask, enter[0], enter[1]};
   }
 };
 
 #if ACCEL_SSE
-// The same operations, hence the same bits, in four lanes: near planes of children 0 and 1, far planes of children 0 and 1 with the
-// sign changed, so that one max serves both. maxps returns its second operand when one is NaN.
+// The same operations, hence the same bits, in four lanes: near planes of children 0 and 1, far planes of children 0 and 1 with
+// the sign changed, so that one max serves both. maxps returns its second operand when one is NaN.
 struct SseBoxPairTest {
   __m128 org[3], inv[3];
   std::uint32_t near_at[3];
