@@ -191,7 +191,9 @@ Status AccelFileWriter::write(const std::filesystem::path& path) const {
     const Section& section = sections_[i];
     TableEntry& entry = table[i] = {};
     const bool good_name = !section.name.empty() && section.name.size() < sizeof(entry.name);
-    if (!good_name) return Error{path.string() + ": '" + section.name + "' cannot be the name of a section"};
+    const bool taken = std::any_of(table.begin(), table.begin() + static_cast<std::ptrdiff_t>(i),
+                                   [&](const TableEntry& other) { return section.name == other.name; });
+    if (!good_name || taken) return Error{path.string() + ": '" + section.name + "' cannot be the name of a section"};
     section.name.copy(entry.name, sizeof(entry.name) - 1);
     entry.offset = offset;
     entry.size_bytes = section.bytes.size();

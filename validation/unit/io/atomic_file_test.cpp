@@ -1,0 +1,91 @@
+#include "libaccel/io/atomic_file.h"
+
+#include <sys/stat.h>
+
+#include "validation/unit/io/io_test_support.h"
+
+namespace accel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFileTest : public FileTest {};
+
+TEST_F(AtomicFileTest, AppearsAtCommit) {
+  const fs::path target = folder() / "out.txt";
+  Result<AtomicFile> out = AtomicFile::create(target);
+  ASSERT_TRUE(out) << out.message();
+  ASSERT_TRUE(out->write("one "));
+  ASSERT_TRUE(out->write("two"));
+  EXPECT_FALSE(fs::exists(target));
+  ASSERT_TRUE(out->commit(AtomicFile::Durable::yes));
+  EXPECT_EQ(contents(target), "one two");
+  EXPECT_EQ(files_in_folder(), 1u);
+}
+
+TEST_F(AtomicFileTest, LeavesNothingWithoutCommit) {
+  const fs::path target = file("out.txt", "before");
+  {
+    Result<AtomicFile> out = AtomicFile::create(target);
+    ASSERT_TRUE(out);
+    ASSERT_TRUE(out->write("after"));
+    EXPECT_EQ(files_in_folder(), 2u);
+  }
+  EXPECT_EQ(contents(target), "before");
+  EXPECT_EQ(files_in_folder(), 1u);
+}
+
+TEST_F(AtomicFileTest, MovedFromOwnsNothing) {
+  Result<AtomicFile> first = AtomicFile::create(folder() / "a");
+  ASSERT_TRUE(first);
+  AtomicFile second = *std::move(first);
+  ASSERT_TRUE(second.write("x"));
+  Result<AtomicFile> third = AtomicFile::create(folder() / "b");
+  ASSERT_TRUE(third);
+  *third = std::move(second);  // what b would have been is dropped
+  ASSERT_TRUE(third->commit());
+  EXPECT_EQ(contents(folder() / "a"), "x");
+  EXPECT_EQ(files_in_folder(), 1u);
+}
+
+TEST_F(AtomicFileTest, FollowsSymbolicLinks) {
+  const fs::path target = file("real.txt", "before");
+  fs::create_symlink(target, folder() / "link.txt");
+  ASSERT_TRUE(write_file(folder() / "link.txt", "after"));
+  EXPECT_TRUE(fs::is_symlink(folder() / "link.txt"));
+  EXPECT_EQ(contents(target), "after");
+}
+
+TEST_F(AtomicFileTest, DevicesAreWrittenDirectly) {
+  ASSERT_TRUE(write_file("/dev/null", "gone"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(AtomicFileTest, ErrorsNameTheTarget) {
+  const Status missing = write_file(folder() / "no" / "such" / "folder.txt", "x");
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.message().find("folder.txt"), std::string::npos) << missing.message();
+  const Status directory = write_file(folder(), "x");
+  ASSERT_FALSE(directory);
+  EXPECT_NE(directory.message().find("is a folder"), std::string::npos);
+}
+
+TEST_F(AtomicFileTest, PathKeepsTheExtensionAndTheUsersMask) {
+  const fs::path target = folder() / "picture.png";
+  Result<AtomicPath> path = AtomicPath::create(target);
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->path().extension(), ".png");
+  EXPECT_EQ(path->path().parent_path(), folder());
+  file(path->path().filename().string(), "pixels");
+  ASSERT_TRUE(path->commit());
+  EXPECT_EQ(contents(target), "pixels");
+
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  struct stat status;
+  ASSERT_EQ(::stat(target.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0666 & ~mask);
+}
+
+}  // namespace
+}  // namespace accel

@@ -1,0 +1,147 @@
+#include "libaccel/io/structure_sections.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "libaccel/build/binned_sah.h"
+#include "validation/unit/io/io_test_support.h"
+
+namespace accel {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+bool same(const Buffer<T>& a, const Buffer<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+TriangleMesh grid_mesh(int n) {
+  TriangleMesh mesh{Buffer<Vec3>(n * n), Buffer<IndexTriple>(2 * (n - 1) * (n - 1))};
+  const auto vertex = [n](int x, int y) { return static_cast<std::uint32_t>(y * n + x); };
+  std::size_t triangle = 0;
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) mesh.vertices[vertex(x, y)] = {float(x), float(y), std::sin(float(x * y))};
+  for (int y = 0; y + 1 < n; ++y)
+    for (int x = 0; x + 1 < n; ++x) {
+      mesh.triangles[triangle++] = {vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1)};
+      mesh.triangles[triangle++] = {vertex(x, y), vertex(x + 1, y + 1), vertex(x, y + 1)};
+    }
+  return mesh;
+}
+
+class StructureSectionsTest : public FileTest {
+ protected:
+  static Bvh2 build(const TriangleMesh& mesh) { return BinnedSah::build(mesh, {}).value().structure; }
+  fs::path path() const { return folder() / "a.accel"; }
+};
+
+TEST_F(StructureSectionsTest, MetadataComesBack) {
+  AccelMetadata metadata{"bvh2", "bvh", "sc\xe8ne \"a\".ply", {{"bins", "32"}}, {{"sah_cost", 1.0 / 3}, {"epo", NAN}}, {}, {}};
+  metadata.cameras.push_back({{0.1f, 2, 3}, {4, 5, 6}, {0, 1, 0}, 39.5f, "door"});
+  metadata.light = LightDescription{{1, 2, 3}, {0.1f, 0, 0}, {0, 1e-30f, 0}};
+  AccelFileWriter writer;
+  write_sections(writer, metadata);
+  ASSERT_TRUE(writer.write(path()));
+  const Result<AccelFile> file = AccelFile::open(path());
+  ASSERT_TRUE(file) << file.message();
+  const Result<AccelMetadata> back = read<AccelMetadata>(*file);
+  ASSERT_TRUE(back) << back.message();
+  EXPECT_EQ(back->structure, "bvh2");
+  EXPECT_EQ(back->builder, "bvh");
+  EXPECT_EQ(back->options, metadata.options);
+  EXPECT_EQ(back->statistics.at("sah_cost"), 1.0 / 3);
+  EXPECT_TRUE(std::isnan(back->statistics.at("epo")));
+  ASSERT_EQ(back->cameras.size(), 1u);
+  EXPECT_EQ(back->cameras[0].name, "door");
+  EXPECT_EQ(back->cameras[0].eye, (Vec3{0.1f, 2, 3}));
+  EXPECT_EQ(back->cameras[0].vfov_degrees, 39.5f);
+  ASSERT_TRUE(back->light);
+  EXPECT_EQ(back->light->half_v, (Vec3{0, 1e-30f, 0}));
+}
+
+TEST_F(StructureSectionsTest, Bvh2ComesBack) {
+  const TriangleMesh mesh = grid_mesh(20);
+  const Bvh2 bvh = build(mesh);
+  ASSERT_TRUE(save_accel(path(), {}, mesh, bvh));
+  const Result<AccelFile> file = AccelFile::open(path());
+  ASSERT_TRUE(file) << file.message();
+  EXPECT_EQ(triangle_count(*file), mesh.size());
+  const Result<Bvh2> back = read<Bvh2>(*file);
+  ASSERT_TRUE(back) << back.message();
+  EXPECT_TRUE(same(back->nodes, bvh.nodes));
+  EXPECT_TRUE(same(back->leaves, bvh.leaves));
+  EXPECT_EQ(back->root, bvh.root);
+  EXPECT_EQ(back->depth, bvh.depth);
+  EXPECT_EQ(back->references, bvh.references);
+  const Result<TriangleMesh> back_mesh = read<TriangleMesh>(*file);
+  ASSERT_TRUE(back_mesh) << back_mesh.message();
+  EXPECT_TRUE(same(back_mesh->vertices, mesh.vertices));
+  EXPECT_TRUE(same(back_mesh->triangles, mesh.triangles));
+  EXPECT_FALSE(read<TriangleList>(*file));
+}
+
+TEST_F(StructureSectionsTest, EmptySceneComesBack) {
+  const TriangleMesh mesh;
+  ASSERT_TRUE(save_accel(path(), {}, mesh, build(mesh)));
+  const Result<AccelFile> file = AccelFile::open(path());
+  ASSERT_TRUE(file) << file.message();
+  const Result<Bvh2> back = read<Bvh2>(*file);
+  ASSERT_TRUE(back) << back.message();
+  EXPECT_TRUE(back->nodes.empty());
+}
+
+// The container's test changes every byte; this one goes through the readers of all sections.
+TEST_F(StructureSectionsTest, ChangedBytesAreFound) {
+  const TriangleMesh mesh = grid_mesh(3);
+  ASSERT_TRUE(save_accel(path(), {}, mesh, build(mesh)));
+  const std::string good = contents(path());
+  const auto reads = [&](const fs::path& name) {
+    const Result<AccelFile> file = AccelFile::open(name);
+    return file && read<AccelMetadata>(*file) && read<TriangleMesh>(*file) && read<Bvh2>(*file);
+  };
+  ASSERT_TRUE(reads(path()));
+  for (std::size_t i = 0; i < good.size(); i += 5) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ 0x10);
+    EXPECT_FALSE(reads(file("bad.accel", bad))) << i;
+  }
+  for (std::size_t size = 0; size < good.size(); size += 17)
+    EXPECT_FALSE(reads(file("bad.accel", good.substr(0, size)))) << size;
+}
+
+// A file whose checksums are right and whose contents are not: what a broken or hostile writer makes.
+TEST_F(StructureSectionsTest, ContentsAreValidated) {
+  const TriangleMesh mesh = grid_mesh(6);
+  const auto reads = [&](const TriangleMesh& some_mesh, const Bvh2& some_bvh) {
+    EXPECT_TRUE(save_accel(path(), {}, some_mesh, some_bvh));
+    const Result<AccelFile> file = AccelFile::open(path());
+    EXPECT_TRUE(file) << file.message();
+    const bool good_mesh = read<TriangleMesh>(*file).ok(), good_bvh = read<Bvh2>(*file).ok();
+    return std::pair(good_mesh, good_bvh);
+  };
+  EXPECT_EQ(reads(mesh, build(mesh)), std::pair(true, true));
+
+  TriangleMesh bad_mesh = grid_mesh(6);
+  bad_mesh.triangles[3].v1 = 36;
+  EXPECT_EQ(reads(bad_mesh, build(mesh)), std::pair(false, true));
+
+  Bvh2 cycle = build(mesh);
+  cycle.nodes[cycle.nodes.size() - 1].child[1] = 0;
+  EXPECT_EQ(reads(mesh, cycle), std::pair(true, false));
+
+  Bvh2 depth = build(mesh);
+  depth.depth += 1;
+  EXPECT_EQ(reads(mesh, depth), std::pair(true, false));
+
+  Bvh2 root = build(mesh);
+  root.root = 1u << 20;
+  EXPECT_EQ(reads(mesh, root), std::pair(true, false));
+
+  // Fewer triangles than the structure names.
+  EXPECT_EQ(reads(grid_mesh(5), build(mesh)), std::pair(true, false));
+}
+
+}  // namespace
+}  // namespace accel
