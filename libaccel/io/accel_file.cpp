@@ -41,9 +41,12 @@ struct TableEntry {
   std::uint32_t reserved[3];
   std::uint64_t checksum;  // of the section with its padding
 };
-static_assert(sizeof(TableEntry) == 64 && std::is_trivially_copyable_v<TableEntry>);
+static_assert(sizeof(TableEntry) == 64 && kAlignment % sizeof(TableEntry) == 0 && std::is_trivially_copyable_v<TableEntry>);
 
 std::uint64_t padded(std::uint64_t size) { return (size + kAlignment - 1) / kAlignment * kAlignment; }
+
+// Where the sections begin: behind the table, which zeros pad.
+std::uint64_t table_end(std::size_t sections) { return padded(sizeof(FileHeader) + sections * sizeof(TableEntry)); }
 
 std::uint64_t checksum(const void* data, std::size_t size) { return XXH3_64bits(data, size); }
 
@@ -66,7 +69,7 @@ const char* header_fault(std::span<const std::byte> bytes, const FileHeader& hea
   if (header.version != kAccelFileVersion) return "is of another version of the format; build it again";
   if (header.header_checksum != header_checksum(header)) return "the header is damaged";
   if (header.file_size != bytes.size()) return "is truncated, or something was appended";
-  if (header.section_count > kMostSections || sizeof(FileHeader) + header.section_count * sizeof(TableEntry) > bytes.size())
+  if (header.section_count > kMostSections || table_end(header.section_count) > bytes.size())
     return "the table of sections does not fit the file";
   return nullptr;
 }
@@ -111,13 +114,13 @@ Result<AccelFile> AccelFile::open(const std::filesystem::path& path, VerifyCheck
   std::memcpy(&header, bytes.data(), sizeof(header));
   if (const char* fault = header_fault(bytes, header)) return file.error({}, fault);
 
-  state->table.resize(header.section_count);
-  const std::size_t table_bytes = header.section_count * sizeof(TableEntry);
-  if (table_bytes > 0) std::memcpy(state->table.data(), bytes.data() + sizeof(header), table_bytes);
-  if (checksum(state->table.data(), table_bytes) != header.table_checksum)
+  std::uint64_t offset = table_end(header.section_count);
+  if (checksum(bytes.data() + sizeof(header), offset - sizeof(header)) != header.table_checksum)
     return file.error({}, "the table of sections is damaged");
+  state->table.resize(header.section_count);
+  if (!state->table.empty())
+    std::memcpy(state->table.data(), bytes.data() + sizeof(header), state->table.size() * sizeof(TableEntry));
 
-  std::uint64_t offset = sizeof(header) + table_bytes;
   for (const TableEntry& entry : state->table) {
     if (const char* fault = entry_fault(entry, offset, bytes.size())) return file.error({}, fault);
     if (state->find(entry.name) != &entry) return file.error(entry.name, "stands in the table twice");
@@ -185,8 +188,8 @@ void AccelFileWriter::add_copied(std::string_view name, std::span<const std::byt
 
 Status AccelFileWriter::write(const std::filesystem::path& path) const {
   FileHeader header = {};
-  std::vector<TableEntry> table(sections_.size());
-  std::uint64_t offset = sizeof(FileHeader) + sections_.size() * sizeof(TableEntry);
+  std::uint64_t offset = table_end(sections_.size());
+  std::vector<TableEntry> table((offset - sizeof(FileHeader)) / sizeof(TableEntry));  // ends in empty entries as padding
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     const Section& section = sections_[i];
     TableEntry& entry = table[i] = {};
