@@ -13,6 +13,7 @@
 // see.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -59,21 +60,23 @@ class TriangleTree {
 };
 
 inline bool TriangleTree::meets(const Node& node, const Line& line, double t_begin, double t_end, double& t_near) {
-  double lo[3], hi[3], reach = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    lo[axis] = node.lo[axis] - line.org[axis], hi[axis] = node.hi[axis] - line.org[axis];
-    reach = std::fmax(reach, std::fmax(-lo[axis], hi[axis]));
+  double reach = 0;
+  if (line.padding > 0) {
+    for (int axis = 0; axis < 3; ++axis) {
+      reach = std::max({reach, std::abs(node.lo[axis] - line.org[axis]), std::abs(node.hi[axis] - line.org[axis])});
+    }
+    reach *= line.padding;
   }
-  reach *= line.padding;
   for (int axis = 0; axis < 3; ++axis) {
-    const double a = lo[axis] - reach, b = hi[axis] + reach;
+    const double lo = node.lo[axis] - line.org[axis] - reach, hi = node.hi[axis] - line.org[axis] + reach;
     if (line.dir[axis] == 0) {
-      if (a > 0 || b < 0) return false;
+      if (lo > 0 || hi < 0) return false;
       continue;
     }
-    const double t0 = (line.dir[axis] > 0 ? a : b) * line.inv[axis], t1 = (line.dir[axis] > 0 ? b : a) * line.inv[axis];
-    t_begin = std::fmax(t_begin, t0 - kSlabError * std::abs(t0));
-    t_end = std::fmin(t_end, t1 + kSlabError * std::abs(t1));
+    const double t0 = lo * line.inv[axis], t1 = hi * line.inv[axis];
+    const double enter = std::min(t0, t1), leave = std::max(t0, t1);
+    t_begin = std::max(t_begin, enter - kSlabError * std::abs(enter));
+    t_end = std::min(t_end, leave + kSlabError * std::abs(leave));
   }
   t_near = t_begin;
   return t_begin <= t_end;
