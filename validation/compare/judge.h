@@ -11,7 +11,8 @@
 //              a hit behind t*, where a watertight test may miss: see below.
 //   miss       no hit where a watertight test must find one.
 //   far        a hit behind a hit that a watertight test must find; or one whose t is beyond t* and outside its bound.
-//   false      a hit on a primitive that the ray does not pass within its bound; or one whose t is not beyond t* and outside its
+//   false      a hit on a primitive that the ray does not pass within its bound; or one whose t is not beyond t* and outside
+//   its
 //              bound; or one outside the ray's interval.
 //
 // miss, far and false are failures.
@@ -35,6 +36,9 @@
 // rule whose bit for an edge does not depend on the triangle. Edges are pairs of positions, not of indices: meshes duplicate
 // vertices. Triangles without an area are left out: builders drop them. (A hit on one is judged like any other, by whether the
 // ray passes it within its bound.)
+//
+// The promise is the ideal one. A test that rejects a triangle whose three edge functions all round to zero, or a structure
+// whose boxes are not padded for the movement of vertices, may break it in rare cases: that is then a miss like any other.
 //
 // Any-hit answers: right where they are; an occluded ray that hits nothing is an edge if some triangle is possible with a t
 // that may lie in the interval, else false; an unoccluded one that hits is a miss if it must hit, else an edge.
