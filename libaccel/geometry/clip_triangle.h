@@ -6,6 +6,8 @@
 // the smallest normal float, which covers products that underflow. The box of the crossing is widened by that much and cut back
 // to the edge's box.
 //
+// ClippedPolygon measures instead of bounding: it is what the end-point overlap needs.
+//
 // Planes belong to both sides: a part that only touches a plane has its box there.
 #pragma once
 
@@ -81,5 +83,29 @@ inline TriangleParts split_bounds(const Triangle& triangle, const Box4& box, int
   parts.right = intersection(parts.right, {max_of(box.lo, box.lo.with_lane(axis, position)), box.hi});
   return parts;
 }
+
+// The part of a triangle in a box as a polygon, in double precision: for measuring areas, not for bounds. Sutherland and
+// Hodgman 1974, "Reentrant Polygon Clipping".
+class ClippedPolygon {
+ public:
+  explicit ClippedPolygon(const Triangle& t);
+
+  // Cuts away what lies outside of the closed box.
+  void clip(const Aabb& box);
+  // 0 for a polygon that has vanished.
+  double area() const;
+  bool is_inside(const Aabb& box) const;
+
+ private:
+  struct Point {
+    double at[3];
+  };
+  // Keeps the side on which sign * (coordinate - position) >= 0.
+  void clip(int axis, double position, double sign);
+
+  static constexpr int kMaxPoints = 9;  // each of the six planes adds one point at most
+  Point points_[kMaxPoints];
+  int size_ = 3;
+};
 
 }  // namespace accel

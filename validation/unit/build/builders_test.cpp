@@ -1,0 +1,271 @@
+// What every builder of a Bvh2 owes to its callers, on every mesh: builder.h and bvh2.h.
+#include "libaccel/build/builder.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+#include "libaccel/build/binned_sah.h"
+#include "libaccel/build/sbvh.h"
+#include "libaccel/build/triangle_list.h"
+#include "libaccel/exec/drive.h"
+#include "libaccel/geometry/mesh_facts.h"
+#include "libaccel/geometry/watertight.h"
+#include "libaccel/structure/bvh2_stats.h"
+#include "libaccel/trace/brute_force.h"
+#include "libaccel/trace/bvh2_stack.h"
+#include "validation/unit/build/test_meshes.h"
+
+namespace accel {
+namespace {
+
+template <class Builder>
+Built<Bvh2> build(const TriangleMesh& mesh, const BuildOptions& options = {}) {
+  Result<Built<Bvh2>> built = Builder::build(mesh, options);
+  EXPECT_TRUE(built.ok()) << built.message();
+  const Status valid = validate(built->structure, mesh.size());
+  EXPECT_TRUE(valid.ok()) << valid.message();
+  return std::move(*built);
+}
+
+// The triangles of all leaves whose boxes, and all boxes above, contain the point.
+std::set<std::uint32_t> triangles_around(const Bvh2& bvh, Vec3 p) {
+  std::set<std::uint32_t> found;
+  std::vector<NodeRef> pending{bvh.root};
+  while (!pending.empty()) {
+    const NodeRef ref = pending.back();
+    pending.pop_back();
+    if (is_leaf(ref)) {
+      for (std::uint32_t q = leaf_quad(ref); !is_end_of_leaf(bvh.leaves.data(), q); q += kQuadsPerTriangle)
+        found.insert(bvh.leaves[q].word);
+      continue;
+    }
+    for (int c = 0; c < 2; ++c)
+      if (bvh.nodes[ref].bounds(c).contains(Aabb{p, p})) pending.push_back(bvh.nodes[ref].child[c]);
+  }
+  return found;
+}
+
+bool same_bytes(const Bvh2& a, const Bvh2& b) {
+  return a.root == b.root && a.depth == b.depth && a.references == b.references && a.nodes.size() == b.nodes.size() &&
+         a.leaves.size() == b.leaves.size() && std::memcmp(&a.bounds, &b.bounds, sizeof a.bounds) == 0 &&
+         (a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size_bytes()) == 0) &&
+         std::memcmp(a.leaves.data(), b.leaves.data(), a.leaves.size_bytes()) == 0;
+}
+
+template <class Builder>
+class Builders : public testing::Test {};
+using Bvh2Builders = testing::Types<BinnedSah, Sbvh>;
+TYPED_TEST_SUITE(Builders, Bvh2Builders);
+
+TYPED_TEST(Builders, NothingToBuildIsAnEmptyTree) {
+  for (const TriangleMesh& mesh : {TriangleMesh{}, test::mesh_of({Triangle{}, Triangle{}})}) {
+    const Built<Bvh2> built = build<TypeParam>(mesh);
+    EXPECT_EQ(built.structure.root, kNoNode);
+    EXPECT_EQ(built.report.skipped.zero_area, mesh.size());
+  }
+}
+
+TYPED_TEST(Builders, OneTriangleIsALeaf) {
+  const Built<Bvh2> built = build<TypeParam>(test::soup(1, 0.5f));
+  EXPECT_TRUE(is_leaf(built.structure.root));
+  EXPECT_EQ(built.structure.depth, 0u);
+}
+
+TYPED_TEST(Builders, ReportAgreesWithTheTree) {
+  for (const auto& [name, mesh] : test::all_meshes()) {
+    SCOPED_TRACE(name);
+    const Built<Bvh2> built = build<TypeParam>(mesh);
+    const Bvh2Stats stats = bvh2_stats(built.structure, 1, 1);
+    const MeshFacts facts = mesh_facts(mesh);
+    EXPECT_EQ(built.report.skipped.zero_area, facts.zero_area);
+    EXPECT_EQ(built.report.skipped.out_of_range, facts.out_of_range);
+    EXPECT_EQ(built.report.triangles, mesh.size() - facts.zero_area - facts.out_of_range);
+    EXPECT_EQ(stats.triangles, built.report.triangles);
+    EXPECT_EQ(stats.references, built.report.references);
+    EXPECT_EQ(stats.depth, built.structure.depth);
+    EXPECT_TRUE(built.structure.bounds.contains(facts.bounds));
+    EXPECT_GE(built.report.peak_bytes, built.structure.size_bytes());
+  }
+}
+
+TYPED_TEST(Builders, BoxesContainVerticesOfTheirTriangles) {
+  for (const auto& [name, mesh] : test::all_meshes()) {
+    SCOPED_TRACE(name);
+    const Built<Bvh2> built = build<TypeParam>(mesh);
+    for (std::uint32_t i = 0; i < mesh.size(); i += 7) {
+      const Triangle t = mesh.triangle(i);
+      if (!is_in_range(t) || is_zero_area(t)) continue;
+      for (const Vec3 v : {t.v0, t.v1, t.v2}) EXPECT_TRUE(triangles_around(built.structure, v).contains(i)) << "triangle " << i;
+    }
+  }
+}
+
+// Integer coordinates on planes through the origin make midpoints exact, so that inner points can be asked for without
+// tolerance.
+TYPED_TEST(Builders, BoxesContainInnerPointsOfTheirTriangles) {
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = 0; i < 600; ++i) {
+    CounterRng rng(11, i);
+    const auto point = [&] {
+      const auto c = [&] { return 1024.0f * static_cast<float>(rng.next_below(64)); };
+      const float x = c(), y = c(), z = c();
+      return Vec3{x, y, z};
+    };
+    triangles.push_back({point(), point(), point()});
+  }
+  const TriangleMesh mesh = test::mesh_of(triangles);
+  BuildOptions options;
+  options.max_duplication = 4.0f;
+  const Built<Bvh2> built = build<TypeParam>(mesh, options);
+  for (std::uint32_t i = 0; i < mesh.size(); ++i) {
+    if (is_zero_area(triangles[i])) continue;
+    CounterRng rng(12, i);
+    for (int k = 0; k < 20; ++k) {
+      const auto a = static_cast<float>(rng.next_below(1025)),
+                 b = static_cast<float>(rng.next_below(1025 - static_cast<std::uint32_t>(a)));
+      const Vec3 p = (triangles[i].v0 * ((1024 - a - b) / 1024)) + triangles[i].v1 * (a / 1024) + triangles[i].v2 * (b / 1024);
+      EXPECT_TRUE(triangles_around(built.structure, p).contains(i)) << "triangle " << i;
+    }
+  }
+}
+
+TYPED_TEST(Builders, HitsAreThoseOfBruteForce) {
+  for (const auto& [name, mesh] : test::all_meshes()) {
+    SCOPED_TRACE(name);
+    const Built<Bvh2> built = build<TypeParam>(mesh);
+    const Result<Built<TriangleList>> list = ListBuilder::build(mesh, {});
+    ASSERT_TRUE(list.ok());
+    ASSERT_TRUE(validate(list->structure, mesh.size()).ok());
+    NullObserver observer;
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      CounterRng rng(5, i);
+      Ray ray;
+      ray.org = 2.0f * test::random_point(rng);
+      const Vec3 target = mesh.vertices[rng.next_below(static_cast<std::uint32_t>(mesh.vertices.size()))];
+      ray.dir = target + 0.3f * test::random_point(rng) - ray.org;
+      const Hit expected = trace_ray<BruteForce<Watertight, Query::closest>>(list->structure.view(), ray, observer);
+      const Hit hit = trace_ray<Bvh2Stack<Watertight, Query::closest>>(built.structure.view(), ray, observer);
+      EXPECT_EQ(hit.prim_id, expected.prim_id) << "ray " << i;
+      EXPECT_EQ(hit.t, expected.t) << "ray " << i;
+    }
+  }
+}
+
+TYPED_TEST(Builders, BytesDoNotDependOnThreads) {
+  const tbb::global_control more_threads(tbb::global_control::max_allowed_parallelism, 8);
+  const TriangleMesh mesh = test::soup(70000, 0.05f);  // above the sizes from which phases are parallel
+  BuildOptions options;
+  options.threads = 1;
+  const Built<Bvh2> one = build<TypeParam>(mesh, options);
+  for (const int threads : {2, 3, 8}) {
+    options.threads = threads;
+    EXPECT_TRUE(same_bytes(one.structure, build<TypeParam>(mesh, options).structure)) << threads << " threads";
+  }
+}
+
+TYPED_TEST(Builders, DepthStaysWithinItsBound) {
+  for (const auto& [name, mesh] : test::all_meshes())
+    for (const int max_depth : {0, 1, 5, 12}) {
+      SCOPED_TRACE(name + ", " + std::to_string(max_depth));
+      BuildOptions options;
+      options.max_depth = max_depth;
+      const Built<Bvh2> built = build<TypeParam>(mesh, options);
+      EXPECT_LE(built.structure.depth, static_cast<std::uint32_t>(max_depth));
+      // Where the levels suffice, leaves keep to their size.
+      const Bvh2Stats stats = bvh2_stats(built.structure, 1, 1);
+      if (built.report.triangles <= (8u << max_depth)) {
+        EXPECT_LE(stats.leaves_by_size.size(), 9u);
+      }
+    }
+}
+
+TYPED_TEST(Builders, IdenticalTrianglesMakeABalancedTree) {
+  const Built<Bvh2> built = build<TypeParam>(test::identical(100000));
+  EXPECT_LE(built.structure.depth, 17u);
+  EXPECT_EQ(built.structure.references, 100000u);
+}
+
+TYPED_TEST(Builders, ReferencesStayWithinTheBudget) {
+  for (const float duplication : {0.0f, 0.1f, 0.5f, 2.0f}) {
+    BuildOptions options;
+    options.max_duplication = duplication;
+    const Built<Bvh2> built = build<TypeParam>(test::slivers(3000), options);
+    EXPECT_LE(static_cast<double>(built.report.references), (1.0 + duplication) * 3000);
+  }
+}
+
+TYPED_TEST(Builders, LeavesAreSortedByPrimId) {
+  const Built<Bvh2> built = build<TypeParam>(test::soup(2000, 0.1f));
+  std::uint32_t last = 0;
+  for (std::size_t q = 0; q < built.structure.leaves.size();) {
+    const std::uint32_t word = built.structure.leaves[q].word;
+    EXPECT_GE(word, last);
+    last = word == kEndOfLeaf ? 0 : word + 1;
+    q += word == kEndOfLeaf ? 1 : kQuadsPerTriangle;
+  }
+}
+
+TYPED_TEST(Builders, ScalingByAPowerOfTwoKeepsTheTree) {
+  const TriangleMesh mesh = test::soup(1000, 0.2f);
+  TriangleMesh scaled = mesh;
+  scaled.vertices = Buffer<Vec3>::copy_of(mesh.vertices.span());
+  for (Vec3& v : scaled.vertices) v = v * 0x1p40f;
+  const Built<Bvh2> a = build<TypeParam>(mesh), b = build<TypeParam>(scaled);
+  ASSERT_EQ(a.structure.nodes.size(), b.structure.nodes.size());
+  for (std::size_t i = 0; i < a.structure.nodes.size(); ++i)
+    for (int c = 0; c < 2; ++c) EXPECT_EQ(a.structure.nodes[i].child[c], b.structure.nodes[i].child[c]);
+}
+
+TYPED_TEST(Builders, ProgressCanInterrupt) {
+  BuildOptions options;
+  options.progress = [](std::string_view, double) { return false; };
+  const Result<Built<Bvh2>> built = TypeParam::build(test::soup(20000, 0.1f), options);
+  ASSERT_FALSE(built.ok());
+  EXPECT_EQ(built.message(), kInterrupted);
+}
+
+TYPED_TEST(Builders, MeaninglessOptionsAreRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto refuses = [](auto change) {
+    BuildOptions options;
+    change(options);
+    return !TypeParam::build(TriangleMesh{}, options).ok();
+  };
+  EXPECT_TRUE(refuses([](BuildOptions& o) { o.threads = -1; }));
+  EXPECT_TRUE(refuses([](BuildOptions& o) { o.bins = 1; }));
+  EXPECT_TRUE(refuses([](BuildOptions& o) { o.bins = 100000; }));
+  EXPECT_TRUE(refuses([](BuildOptions& o) { o.max_leaf_size = 0; }));
+  EXPECT_TRUE(refuses([](BuildOptions& o) { o.max_depth = -1; }));
+  EXPECT_TRUE(refuses([&](BuildOptions& o) { o.traversal_cost = nan; }));
+  EXPECT_TRUE(refuses([&](BuildOptions& o) { o.intersection_cost = -1; }));
+  EXPECT_TRUE(refuses([&](BuildOptions& o) { o.max_duplication = nan; }));
+  EXPECT_TRUE(refuses([&](BuildOptions& o) { o.spatial_overlap = nan; }));
+}
+
+TEST(SbvhBuilder, SpatialSplitsLowerTheCostOfSlivers) {
+  const TriangleMesh mesh = test::slivers(2000);
+  const double bvh = bvh2_stats(build<BinnedSah>(mesh).structure, 1, 1).sah_cost;
+  double last = bvh;
+  for (const float duplication : {0.5f, 2.0f, 8.0f}) {
+    BuildOptions options;
+    options.max_duplication = duplication;
+    const double sbvh = bvh2_stats(build<Sbvh>(mesh, options).structure, 1, 1).sah_cost;
+    EXPECT_LT(sbvh, last);
+    last = sbvh;
+  }
+  EXPECT_LT(last, 0.7 * bvh);
+}
+
+TEST(SbvhBuilder, WithoutABudgetItIsTheObjectSplitTree) {
+  BuildOptions options;
+  options.max_duplication = 0;
+  const TriangleMesh mesh = test::soup(2000, 0.3f);
+  EXPECT_TRUE(same_bytes(build<BinnedSah>(mesh, options).structure, build<Sbvh>(mesh, options).structure));
+}
+
+}  // namespace
+}  // namespace accel
