@@ -19,15 +19,15 @@
 //
 // May it be missed? Being near an edge excuses nothing: a ray through an interior edge or vertex of a mesh that gets through is
 // a leak. What a watertight test promises is to round every vertex once, in the same way for all triangles that use it, and
-// then to accept every closed triangle that contains the ray. So a miss is excused iff there is a way of moving the vertices
-// within their bounds such that no triangle contains the ray. Let N be the triangles that are possible for the ray and whose
-// range of t lies wholly inside the ray's interval (and, for a hit that may be too far, before that hit). Project along the
-// ray. Take any set x of triangles of N in whose boundary, taken modulo 2, no edge is near the ray: every near edge belongs to
-// an even number of them. While the vertices move within their bounds, only near edges touch the ray; they come in pairs, so
-// their contributions cancel, and the winding number of x around the ray modulo 2 does not change (the degree of a map is a
-// homotopy invariant as long as the boundary stays clear of the point). If it is odd, then every way of moving leaves the ray
-// inside some triangle of x: the ray must hit. With the rows of A the near edges, the columns the triangles of N, and c the
-// parities of the triangles' windings,
+// then to accept every closed triangle that contains the ray. So a miss is inexcusable if every way of moving the vertices
+// within their bounds leaves the ray in some triangle, and excused if that cannot be proved. Let N be the triangles that are
+// possible for the ray and whose range of t lies wholly inside the ray's interval (and, for a hit that may be too far, before
+// that hit). Project along the ray. Take any set x of triangles of N in whose boundary, taken modulo 2, no edge is near the
+// ray: every near edge belongs to an even number of them. While the vertices move within their bounds, only near edges touch
+// the ray; they come in pairs, so their contributions cancel, and the winding number of x around the ray modulo 2 does not
+// change (the degree of a map is a homotopy invariant as long as the boundary stays clear of the point). If it is odd, then
+// every way of moving leaves the ray inside some triangle of x: the ray must hit. With the rows of A the near edges, the
+// columns the triangles of N, and c the parities of the triangles' windings,
 //
 //   must hit  <=  there is an x over GF(2) with A x = 0 and c . x = 1  <=>  c is not in the row space of A,
 //
