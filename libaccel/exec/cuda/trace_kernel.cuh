@@ -100,7 +100,7 @@ template <class Traverser, class Work, class Store>
 __global__ void __launch_bounds__(kBlockSize, kBlocksPerMultiprocessor)
     trace_kernel(const typename Traverser::View view, const Ray* __restrict__ rays, Work work, const Store store) {
   StackOf<Traverser> stack;
-  typename Traverser::State state;
+  typename Traverser::State state{};
   attach_stack<Traverser>(state, stack);
   NullObserver observer;
   Ray ray;

@@ -25,7 +25,7 @@ std::string no_device() {
 #define ACCEL_SKIP_WITHOUT_DEVICE() \
   if (const std::string reason = no_device(); !reason.empty()) GTEST_SKIP() << reason
 
-// Random rays, rays at edges, and rays that hit nothing by definition, in a number that no block size divides.
+// Random rays, rays at edges, rays along axes, and rays that hit nothing by definition, in a number that no block size divides.
 std::vector<Ray> mixed_rays(const TriangleMesh& mesh) {
   Aabb bounds;
   for (const Vec3& v : mesh.vertices) bounds.extend(v);
@@ -33,6 +33,10 @@ std::vector<Ray> mixed_rays(const TriangleMesh& mesh) {
   for (const RaySet& set : {*random_rays(bounds, 5000), *edge_rays(mesh, 5000)})
     rays.insert(rays.end(), set.rays.begin(), set.rays.end());
   const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t i = 0; i < 900; i += 3) {
+    rays[i].dir = {i % 2 == 0 ? 0.0f : -0.0f, rays[i].dir.y, 0.0f};
+    if (i % 5 == 0) rays[i].dir = {0, -0.0f, rays[i].dir.z};
+  }
   for (std::size_t i = 0; i < 37; ++i) {
     Ray ray = rays[i * 7];
     if (i % 3 == 0) ray.dir = {0, 0, 0};
@@ -62,36 +66,45 @@ TEST(Cuda, DescribesTheDevice) {
   EXPECT_GT(info->memory_bytes, 0u);
 }
 
-TEST(Cuda, HitsAreTheCpusBitForBit) {
+// Every launch policy on a batch that is on the device already.
+void expect_cpu_answers(const AnyAccel& cpu, const DeviceAccel& device, const DeviceBatch& batch, std::span<const Ray> rays,
+                        const std::string& test) {
+  std::vector<Hit> expected(rays.size()), hits(rays.size());
+  std::vector<std::uint8_t> expected_any(rays.size()), any(rays.size());
+  ASSERT_TRUE(cpu.closest(rays, expected, {.test = test}).ok());
+  ASSERT_TRUE(cpu.occluded(rays, expected_any, {.test = test}).ok());
+  for (const LaunchPolicy policy : kPolicies) {
+    SCOPED_TRACE(cpu.method().name + " " + test + " " + policy_name(policy));
+    const auto closest = device.trace(batch, Query::closest, {.policy = policy, .test = test});
+    ASSERT_TRUE(closest.ok()) << closest.message();
+    ASSERT_TRUE(batch.hits(hits).ok());
+    EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
+    ASSERT_TRUE(device.trace(batch, Query::any, {.policy = policy, .test = test}).ok());
+    ASSERT_TRUE(batch.occluded(any).ok());
+    EXPECT_EQ(any, expected_any);
+  }
+}
+
+class CudaScene : public testing::TestWithParam<const char*> {};
+
+TEST_P(CudaScene, HitsAreTheCpusBitForBit) {
   ACCEL_SKIP_WITHOUT_DEVICE();
-  const auto scene = make_builtin("soup:3000");
+  const auto scene = make_builtin(GetParam());
+  ASSERT_TRUE(scene.ok()) << scene.message();
   const std::vector<Ray> rays = mixed_rays(scene->mesh);
   const auto batch = DeviceBatch::upload(rays);
   ASSERT_TRUE(batch.ok()) << batch.message();
-  std::vector<Hit> expected(rays.size()), hits(rays.size());
-  std::vector<std::uint8_t> expected_any(rays.size()), any(rays.size());
   for (const MethodInfo& method : methods()) {
     const auto cpu = AnyAccel::build(scene->mesh, method.name);
     ASSERT_TRUE(cpu.ok()) << cpu.message();
     const auto device = DeviceAccel::upload(cpu->structure(), method.name);
     ASSERT_TRUE(device.ok()) << device.message();
     EXPECT_EQ(device->size_bytes(), cpu->size_bytes());
-    for (const std::string& test : triangle_tests()) {
-      ASSERT_TRUE(cpu->closest(rays, expected, {.test = test}).ok());
-      ASSERT_TRUE(cpu->occluded(rays, expected_any, {.test = test}).ok());
-      for (const LaunchPolicy policy : kPolicies) {
-        SCOPED_TRACE(method.name + " " + test + " " + policy_name(policy));
-        const auto closest = device->trace(*batch, Query::closest, {.policy = policy, .test = test});
-        ASSERT_TRUE(closest.ok()) << closest.message();
-        ASSERT_TRUE(batch->hits(hits).ok());
-        EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
-        ASSERT_TRUE(device->trace(*batch, Query::any, {.policy = policy, .test = test}).ok());
-        ASSERT_TRUE(batch->occluded(any).ok());
-        EXPECT_EQ(any, expected_any);
-      }
-    }
+    for (const std::string& test : triangle_tests()) expect_cpu_answers(*cpu, *device, *batch, rays, test);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Scenes, CudaScene, testing::Values("soup:3000", "slivers:1000", "terrain:2000", "deep:1000"));
 
 TEST(Cuda, SmallBatchesAndEmptyScenes) {
   ACCEL_SKIP_WITHOUT_DEVICE();

@@ -145,14 +145,24 @@ void expect_cpu_hits(const typename Traverser::View& view, std::span<const Ray> 
   }
 }
 
-TEST(Simt, HitsAreTheCpusInEverySchedule) {
+template <class Method, class TriangleTest>
+void expect_cpu_hits_of(const TriangleMesh& mesh, std::span<const Ray> rays) {
+  SCOPED_TRACE(Method::name() + " " + TriangleTest::kName);
+  const auto built = Method::Builder::build(mesh, {});
+  ASSERT_TRUE(built.ok()) << built.message();
+  const auto view = built->structure.view();
+  expect_cpu_hits<typename Method::template Traverser<TriangleTest, Query::closest>>(view, rays);
+  expect_cpu_hits<typename Method::template Traverser<TriangleTest, Query::any>>(view, rays);
+}
+
+TEST(Simt, HitsAreTheCpusInEveryScheduleAndMethod) {
   const Scene& scene = soup();
-  TriangleTests::for_each([&](auto tag) {
-    using TriangleTest = typename decltype(tag)::type;
-    expect_cpu_hits<Bvh2Stack<TriangleTest, Query::closest>>(scene.bvh.view(), scene.rays.span());
-    expect_cpu_hits<Bvh2Stack<TriangleTest, Query::any>>(scene.bvh.view(), scene.rays.span());
-    expect_cpu_hits<BruteForce<TriangleTest, Query::closest>>(scene.list.view(), scene.rays.span().first(100));
-    expect_cpu_hits<BruteForce<TriangleTest, Query::any>>(scene.list.view(), scene.rays.span().first(100));
+  std::vector<Ray> rays(scene.rays.begin(), scene.rays.begin() + 500);
+  for (std::size_t i = 0; i < rays.size(); i += 50) rays[i] = kDeadRay;
+  Methods::for_each([&](auto method) {
+    TriangleTests::for_each([&](auto test) {
+      expect_cpu_hits_of<typename decltype(method)::type, typename decltype(test)::type>(scene.mesh, rays);
+    });
   });
 }
 
