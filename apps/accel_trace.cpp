@@ -1,9 +1,7 @@
 // accel-trace: builds structures, traces rays, checks every hit.
-#include <csignal>
-
-#include "apps/common/interrupt.h"
 #include "apps/common/listing.h"
 #include "apps/common/output.h"
+#include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
 #include "apps/common/text.h"
 #include "apps/common/trace_options.h"
@@ -25,12 +23,11 @@ Outcome<ExitStatus> trace(int argc, char** argv, Terminal& terminal) {
   const auto settings = parse_trace_options(argc, argv);
   if (!settings) return settings.failure();
   terminal.configure(settings->common.verbosity, settings->common.color);
-  if (!settings->help.empty() || settings->list) {
-    auto written = terminal.write(settings->list ? listing() : settings->help);
-    return written ? Outcome<ExitStatus>(ExitStatus::ok) : written.failure();
-  }
+  if (!settings->help.empty()) return answer(terminal, settings->help);
+  if (settings->list) return answer(terminal, listing());
+
   ProgressBar bar(settings->common.progress, terminal.quiet());
-  auto report = run_trace(*settings, bar);
+  const auto report = run_trace(*settings, terminal, bar);
   bar.clear();
   if (!report) return report.failure();
   if (auto written = write_report(*report, *settings, terminal); !written) return written.failure();
@@ -44,11 +41,5 @@ Outcome<ExitStatus> trace(int argc, char** argv, Terminal& terminal) {
 
 int main(int argc, char** argv) {
   using namespace accel::apps;
-  std::signal(SIGPIPE, SIG_IGN);
-  catch_interrupts();
-  Terminal terminal("accel-trace");
-  const auto status = trace(argc, argv, terminal);
-  if (status) return static_cast<int>(*status);
-  terminal.error(status.failure().message);
-  return static_cast<int>(status.failure().status);
+  return run_program("accel-trace", [&](Terminal& terminal) { return trace(argc, argv, terminal); });
 }

@@ -74,6 +74,17 @@ Outcome<CheckResult> Checker::check(const RayBatch& batch, const Answers& ours, 
   return *std::move(result);
 }
 
+Outcome<std::string> Checker::write_bundle(const std::string& stem, const RayBatch& batch, const Answers& ours,
+                                           const Answers& witness, const CheckResult& result,
+                                           const validation::ReproContext& context) {
+  const auto cases = batch.query == Query::closest
+                         ? validation::repro_cases(result, batch.rays(), ours.hits.span(), witness.hits.span())
+                         : validation::repro_cases(result, batch.rays(), ours.occluded.span(), witness.occluded.span());
+  const auto path = validation::write_repro(stem, judge(), cases, context);
+  if (!path) return path.error();
+  return path->string();
+}
+
 std::string Checker::witness_name() const {
   return fast_ ? EmbreeWitness::version() + " (" + fast_->isa() + ")" : std::string();
 }

@@ -11,6 +11,7 @@
 #include "apps/common/ray_batch.h"
 #include "apps/common/trace_report.h"
 #include "validation/compare/compare.h"
+#include "validation/compare/repro.h"
 #include "validation/oracle/embree.h"
 
 namespace accel::apps {
@@ -34,6 +35,10 @@ class Checker {
   // Compares and judges.
   Outcome<validation::CheckResult> check(const RayBatch& batch, const Answers& ours, const Answers& witness,
                                          bool keep_verdicts);
+
+  // Writes what reproduces the failures of a comparison; returns the path of the part for people.
+  Outcome<std::string> write_bundle(const std::string& stem, const RayBatch& batch, const Answers& ours, const Answers& witness,
+                                    const validation::CheckResult& result, const validation::ReproContext& context);
 
   // "Embree 3.13.5 (avx2)" or empty; and how hits are checked, in a sentence.
   std::string witness_name() const;

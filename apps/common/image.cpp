@@ -217,7 +217,7 @@ void draw_scale(Canvas& canvas, const Layout& layout, int panel, const HeatPictu
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const int x = left + static_cast<int>(scale.place(ticks[i]) * static_cast<float>(bar_width - 1));
     canvas.fill({x, y + layout.font, x + 1, y + layout.font + layout.font / 3}, Canvas::kInk);
-    canvas.text(x, y + 2 * layout.font + layout.font / 2, short_number(ticks[i]), layout.font,
+    canvas.text(x, y + 2 * layout.font + layout.font / 2, print("%g", ticks[i]), layout.font,
                 i == 0 ? Canvas::Anchor::left : Canvas::Anchor::center);
   }
 }

@@ -92,8 +92,10 @@ Outcome<MethodSet> prepare_methods(const Scene& scene, const TraceSettings& sett
     auto accel = scene.stored ? bind_stored(scene, method) : build(scene, method, settings, bar);
     if (!accel) return accel.failure();
     member_of_builder[method.builder] = set.members.size();
-    set.structures.push_back({method.builder, accel->report().seconds, accel->size_bytes(), accel->report(),
-                              facts_of(accel->structure(), settings.build)});
+    auto facts = facts_of(accel->structure(), scene.mesh(), settings.build, Detail::quick);
+    if (!facts) return facts.error();
+    set.structures.push_back(
+        {method.builder, accel->report().seconds, accel->size_bytes(), accel->report(), *std::move(facts)});
     set.members.push_back({*std::move(accel), set.structures.size() - 1});
   }
   return set;

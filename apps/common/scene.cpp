@@ -7,7 +7,7 @@
 #include "apps/common/text.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/geometry/mesh_facts.h"
-#include "libaccel/io/load_mesh.h"
+#include "libaccel/io/load_scene.h"
 #include "libaccel/io/scene_description.h"
 #include "libaccel/io/structure_sections.h"
 #include "libaccel/rays/camera.h"
@@ -59,13 +59,11 @@ Outcome<Scene> open_accel_file(const std::string& path) {
   return scene;
 }
 
-Outcome<Scene> open_mesh_file(const std::string& path, const Progress& progress) {
-  auto mesh = load_mesh(path, {progress});
-  if (!mesh) return mesh.error();
-  auto description = find_scene_description(path);
-  if (!description) return description.error();
+Outcome<Scene> open_scene_file(const std::string& path, const Progress& progress) {
+  auto data = load_scene(path, {progress});
+  if (!data) return data.error();
   Scene scene;
-  scene.data = {*std::move(mesh), std::move(description->cameras), std::move(description->light)};
+  scene.data = *std::move(data);
   return scene;
 }
 
@@ -80,7 +78,7 @@ Outcome<Scene> open_builtin(const std::string& spec, std::uint64_t seed) {
 Outcome<Scene> open_any(const std::string& argument, std::uint64_t seed, const Progress& progress) {
   if (argument.starts_with(kBuiltin)) return open_builtin(argument, seed);
   if (argument.ends_with(".accel")) return open_accel_file(argument);
-  return open_mesh_file(argument, progress);
+  return open_scene_file(argument, progress);
 }
 
 // Ten numbers between commas.

@@ -4,19 +4,21 @@ namespace accel::apps {
 
 namespace {
 
-StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions&) {
+Result<StructureFacts> facts_of_kind(const Bvh2& bvh, const TriangleMesh&, const BuildOptions&, Detail) {
   StructureFacts facts;
   facts.depth = bvh.depth;
-  facts.nodes = bvh.nodes.size();
   return facts;
 }
 
-StructureFacts facts_of_kind(const TriangleList&, const BuildOptions&) { return {}; }
+Result<StructureFacts> facts_of_kind(const TriangleList&, const TriangleMesh&, const BuildOptions&, Detail) {
+  return StructureFacts{};
+}
 
 }  // namespace
 
-StructureFacts facts_of(const AnyStructure& structure, const BuildOptions& options) {
-  return std::visit([&](const auto& s) { return facts_of_kind(s, options); }, structure);
+Result<StructureFacts> facts_of(const AnyStructure& structure, const TriangleMesh& mesh, const BuildOptions& options,
+                                Detail detail) {
+  return std::visit([&](const auto& s) { return facts_of_kind(s, mesh, options, detail); }, structure);
 }
 
 }  // namespace accel::apps

@@ -118,7 +118,7 @@ void add_outputs(CLI::App& app, TraceSettings& settings) {
   add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
   add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
   add("--hits-out", settings.hits_out, "the hits of the first method and kind, as .npy");
-  add("--repro", settings.repro, "folder for what reproduces a wrong hit [accel-repro]");
+  add("--repro", settings.repro, "beginning of the names of files that reproduce wrong hits [accel-repro]");
 }
 
 Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }

@@ -38,7 +38,8 @@ struct TraceSettings {
   SimtSchedule schedule = SimtSchedule::while_while;
 
   // Output files; empty: none.
-  std::string json, image, heatmap, diff, rays_out, hits_out, repro;
+  std::string json, image, heatmap, diff, rays_out, hits_out;
+  std::string repro = "accel-repro";  // how the names of repro bundles begin
 
   bool is_demo = false;  // no scene was named
 };

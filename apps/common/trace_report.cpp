@@ -38,7 +38,6 @@ std::string section(const Terminal& terminal, const std::string& title) {
 std::string failures_section(const TraceReport& report, const Terminal& terminal) {
   if (report.failures() == 0) return {};
   std::string text = terminal.styled("WRONG HITS", Style::bad) + "\n";
-  auto repro = report.repros.begin();
   for (const TraceRow& row : report.rows) {
     if (!row.check || row.check->failures() == 0) continue;
     text += "  " + row.method + ", " + row.rays_kind + ": " + counted(row.check->failures(), "ray") + " of " +
@@ -46,7 +45,7 @@ std::string failures_section(const TraceReport& report, const Terminal& terminal
     const auto& first = row.check->first_failures;
     for (std::size_t i = 0; i < std::min<std::size_t>(first.size(), 5); ++i)
       text += print("    ray %zu: %s\n", first[i].ray, std::string(to_string(first[i].verdict)).c_str());
-    if (repro != report.repros.end()) text += "    to reproduce: " + *repro++ + "\n";
+    if (!row.repro.empty()) text += "    to reproduce: " + row.repro + "\n";
   }
   return text + "\n";
 }

@@ -40,6 +40,7 @@ struct TraceRow {
   std::optional<Counters> counters;              // not for the witness
   std::optional<validation::CheckResult> check;  // not for the witness, and not when nothing is checked
   std::optional<SimtProfile> simt;
+  std::string repro;  // the bundle that reproduces failures, where one was written
   bool is_witness = false;
 };
 
@@ -56,7 +57,6 @@ struct TraceReport {
   std::vector<StructureRow> structures;
   std::vector<TraceRow> rows;  // by kind of rays, the witness last
   std::vector<Skip> skipped;
-  std::vector<std::string> repros;  // bundles that were written, one for each row with failures, in order
 
   std::uint64_t failures() const;
   // The witness's row for a kind of rays, or null.

@@ -3,8 +3,8 @@
 #include <tbb/info.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "apps/common/ambient.h"
 #include "apps/common/checker.h"
 #include "apps/common/device_engine.h"
 #include "apps/common/image.h"
@@ -20,37 +20,39 @@ namespace {
 
 class TraceRun {
  public:
-  TraceRun(const TraceSettings& settings, ProgressBar& bar, Scene scene, std::string device)
-      : settings_(settings), bar_(bar), scene_(std::move(scene)) {
+  TraceRun(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar, Scene scene, std::string device)
+      : settings_(settings), terminal_(terminal), bar_(bar), scene_(std::move(scene)) {
     report_.device = std::move(device);
   }
 
   Outcome<TraceReport> run() {
-    if (auto done = describe_scene(); !done) return done.failure();
+    describe_scene();
+    terminal_.detail("loaded " + scene_.name + ": " + counted(scene_.mesh().size(), "triangle") + " in " + seconds_text(scene_.load_seconds));
     auto set = prepare_methods(scene_, settings_, bar_, report_.skipped);
     if (!set) return set.failure();
     if (set->members.empty()) return Failure(ExitStatus::error, "no method fits '" + scene_.name + "'; --list shows all");
     auto maker = RayMaker::create(scene_, settings_, set->members.front().accel);
     if (!maker) return maker.failure();
     report_.camera = maker->camera();
+    for (const StructureRow& row : set->structures)
+      terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) + ", " + seconds_text(row.build_seconds));
     auto checker = Checker::create(scene_, settings_, bar_, report_.skipped);
     if (!checker) return checker.failure();
     describe_structures(*set, *checker);
     if (auto done = make_engines(*set); !done) return done.failure();
     for (const std::string& kind : settings_.ray_kinds)
       if (auto done = trace_kind(kind, *set, *maker, *checker); !done) return done.failure();
-    if (auto done = write_view(*maker); !done) return done.failure();
+    if (auto done = write_view(set->members.front().accel, *maker); !done) return done.failure();
     return std::move(report_);
   }
 
  private:
-  Finished describe_scene() {
+  void describe_scene() {
     report_.scene = scene_.name;
     report_.triangles = scene_.mesh().size();
     report_.facts = scene_.facts;
     report_.load_seconds = scene_.load_seconds;
     report_.threads = settings_.common.threads > 0 ? settings_.common.threads : tbb::info::default_concurrency();
-    return Done{};
   }
 
   void describe_structures(const MethodSet& set, const Checker& checker) {
@@ -84,6 +86,7 @@ class TraceRun {
     if (!batch) return batch.failure();
     std::vector<Engine> engines = engines_;
     if (checker.fast()) engines.push_back(checker.engine());
+    terminal_.detail("tracing " + counted(batch->size(), "ray") + " of kind " + batch->name);
     auto measured = measure(engines, batch->rays(), batch->query, settings_.repeat, bar_);
     if (!measured) return measured.failure();
 
@@ -121,6 +124,7 @@ class TraceRun {
           checker.check(traced.batch, traced.measured.answers, traced.testimony, traced.is_first && !settings_.diff.empty());
       if (!checked) return checked.failure();
       row.check = *std::move(checked);
+      if (row.check->failures() > 0) write_bundle(traced, checker, row);
     }
     if (traced.is_first)
       if (auto done = write_files(traced, row, steps, maker, checker); !done) return done;
@@ -188,16 +192,36 @@ class TraceRun {
     return write_hits_npy(settings_.hits_out, hits);
   }
 
-  Finished write_view(RayMaker& maker) {
+  // The view with soft shadows in its corners: more directions where there are fewer rays to average.
+  Finished write_view(const AnyAccel& accel, RayMaker& maker) {
     if (settings_.image.empty()) return Done{};
+    bar_.begin("shading " + settings_.image);
     auto view = maker.view();
     if (!view) return view.failure();
-    return write_shaded(settings_.image, shade(scene_.mesh(), view->rays, view->hits, maker.picture_size()));
+    constexpr std::uint32_t kDirectionsPerPixel = 32;
+    const int directions = static_cast<int>(std::max(kDirectionsPerPixel / settings_.spp, 1u));
+    const PrimaryHits from{scene_.mesh(), view->rays, view->hits};
+    const auto open = openness(accel, from, directions, settings_.common.seed, settings_.common.threads, bar_);
+    if (!open) return open.failure();
+    return write_shaded(settings_.image, shade(scene_.mesh(), view->rays, view->hits, maker.picture_size(), *open));
+  }
+
+  // Files that show what went wrong. Failing to write them must not hide it.
+  void write_bundle(const Traced& traced, Checker& checker, TraceRow& row) {
+    std::string stem = settings_.repro + "-" + row.method + "-" + row.rays_kind;
+    std::replace(stem.begin() + static_cast<std::ptrdiff_t>(settings_.repro.size()), stem.end(), '/', '-');
+    const auto written = checker.write_bundle(stem, traced.batch, traced.measured.answers, traced.testimony, *row.check,
+                                              {settings_.common.command_line, scene_.name, row.method, traced.batch.query});
+    if (written)
+      row.repro = *written;
+    else
+      terminal_.warning("no repro bundle: " + written.failure().message);
   }
 
   TraceOptions trace_options() const { return {settings_.common.threads, settings_.test}; }
 
   const TraceSettings& settings_;
+  const Terminal& terminal_;
   ProgressBar& bar_;
   Scene scene_;
   TraceReport report_;
@@ -207,7 +231,7 @@ class TraceRun {
 
 }  // namespace
 
-Outcome<TraceReport> run_trace(const TraceSettings& settings, ProgressBar& bar) {
+Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar) {
   std::string device = "cpu";
   if (settings.device == "cuda") {
     auto found = find_device();
@@ -217,7 +241,7 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, ProgressBar& bar) 
   bar.begin("loading " + settings.scene);
   auto scene = open_scene(settings.scene, settings.common.seed, bar.callback());
   if (!scene) return scene.failure();
-  return TraceRun(settings, bar, *std::move(scene), std::move(device)).run();
+  return TraceRun(settings, terminal, bar, *std::move(scene), std::move(device)).run();
 }
 
 }  // namespace accel::apps

@@ -1,0 +1,87 @@
+#include "apps/common/build_run.h"
+
+#include <tbb/info.h>
+
+#include <algorithm>
+
+#include "libaccel/io/structure_sections.h"
+#include "libaccel/registry/any_accel.h"
+
+namespace accel::apps {
+
+namespace {
+
+std::map<std::string, std::string> option_texts(const BuildOptions& options) {
+  const auto text = [](double value) { return std::to_string(value); };
+  return {{"traversal_cost", text(options.traversal_cost)},
+          {"intersection_cost", text(options.intersection_cost)},
+          {"bins", std::to_string(options.bins)},
+          {"max_leaf_size", std::to_string(options.max_leaf_size)},
+          {"max_depth", std::to_string(options.max_depth)},
+          {"spatial_overlap", text(options.spatial_overlap)},
+          {"max_duplication", text(options.max_duplication)}};
+}
+
+AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const StructureFacts& facts, const BuildOptions& options) {
+  AccelMetadata metadata;
+  metadata.structure = accel.method().structure;
+  metadata.builder = accel.method().builder;
+  metadata.scene = scene.name;
+  metadata.options = option_texts(options);
+  const BuildReport& report = accel.report();
+  metadata.statistics = {{"build_seconds", report.seconds},
+                         {"triangles", static_cast<double>(report.triangles)},
+                         {"references", static_cast<double>(report.references)},
+                         {"skipped_zero_area", static_cast<double>(report.skipped.zero_area)},
+                         {"skipped_out_of_range", static_cast<double>(report.skipped.out_of_range)},
+                         {"peak_bytes", static_cast<double>(report.peak_bytes)}};
+  if (facts.sah_cost) metadata.statistics["sah_cost"] = *facts.sah_cost;
+  metadata.cameras = scene.data.cameras;
+  metadata.light = scene.data.light;
+  return metadata;
+}
+
+// Any of the builder's methods: they share the structure.
+Result<AnyAccel> build_structure(const Scene& scene, const std::string& builder, const BuildOptions& options) {
+  const auto method =
+      std::find_if(methods().begin(), methods().end(), [&](const MethodInfo& m) { return m.builder == builder; });
+  return AnyAccel::build(scene.mesh(), method->name, options);
+}
+
+}  // namespace
+
+Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& bar) {
+  bar.begin("loading " + settings.scene);
+  auto scene = open_scene(settings.scene, settings.common.seed, bar.callback());
+  if (!scene) return scene.failure();
+
+  bar.begin("building " + settings.builder);
+  BuildOptions options = settings.build;
+  options.progress = bar.callback();
+  const auto accel = build_structure(*scene, settings.builder, options);
+  if (!accel) return accel.error();
+
+  const auto facts = facts_of(accel->structure(), scene->mesh(), options, settings.stats ? Detail::all : Detail::quick);
+  if (!facts) return facts.error();
+  if (!settings.output.empty()) {
+    bar.begin("writing " + settings.output);
+    const AccelMetadata metadata = metadata_of(*scene, *accel, *facts, options);
+    const Status saved =
+        std::visit([&](const auto& s) { return save_accel(settings.output, metadata, scene->mesh(), s); }, accel->structure());
+    if (!saved) return saved.error();
+  }
+  const int threads = settings.common.threads > 0 ? settings.common.threads : tbb::info::default_concurrency();
+  return BuildRunReport{scene->name,
+                        settings.builder,
+                        accel->method().structure,
+                        scene->mesh().size(),
+                        scene->mesh().size_bytes(),
+                        accel->size_bytes(),
+                        scene->load_seconds,
+                        threads,
+                        accel->report(),
+                        *facts,
+                        settings.output};
+}
+
+}  // namespace accel::apps

@@ -1,0 +1,345 @@
+#!/usr/bin/env bash
+# Tests of accel-build and accel-trace as users call them: exit statuses, messages, files.
+#
+#   ACCEL_TRACE=... ACCEL_BUILD=... cli_test.sh NAME     runs test_NAME in a folder of its own
+#
+# Every test_NAME() is one ctest entry (validation/cli/CMakeLists.txt). Statuses are compared exactly, so that a crash is no error
+# message; 77 means skipped.
+set -u
+
+fail() { echo "FAILED: $*"; echo "--- stdout"; head -c 2000 out; echo "--- stderr"; head -c 2000 err; exit 1; }
+skip() { echo "skipped: $*"; exit 77; }
+
+# expect STATUS COMMAND...: runs it, keeps its output in the files out and err.
+expect() {
+  local expected=$1 status
+  shift
+  "$@" >out 2>err
+  status=$?
+  [ "$status" -eq "$expected" ] || fail "status $status instead of $expected: $*"
+}
+
+# says FILE TEXT: the file has the text. is_silent FILE: it is empty. one_line_error: err is one line in the house's form.
+says() { grep -qF -- "$2" "$1" || fail "$1 does not say: $2"; }
+lacks() { ! grep -qF -- "$2" "$1" || fail "$1 should not say: $2"; }
+is_silent() { [ ! -s "$1" ] || fail "$1 is not empty"; }
+one_line_error() { [ "$(wc -l <err)" -eq 1 ] && grep -qE '^accel-(trace|build): error: ' err || fail "err is not one line of error"; }
+usage_error() { expect 2 "$@"; one_line_error; is_silent out; }
+input_error() { expect 1 "$@"; one_line_error; is_silent out; }
+
+# json FILE EXPRESSION: evaluates a Python expression of the parsed file, j, and wants it to be true.
+json() { python3 -c 'import json, sys; j = json.load(open(sys.argv[1])); sys.exit(0 if eval(sys.argv[2]) else 1)' "$1" "$2" || fail "$1: not $2"; }
+needs_python() { command -v python3 >/dev/null || skip "python3 was not found"; }
+# Whether an optional part is built in: has embree, has images.
+has() { "$ACCEL_TRACE" --version | grep -E "^ *$1 " | grep -qv "not built"; }
+
+trace() { "$ACCEL_TRACE" --threads 2 --repeat 1 --width 32 --height 24 "$@"; }
+build() { "$ACCEL_BUILD" --threads 2 "$@"; }
+quad() { printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n' >quad.obj; }
+
+test_version() {
+  expect 0 "$ACCEL_TRACE" --version; says out "accel-trace "; says out embree; is_silent err
+  expect 0 "$ACCEL_BUILD" --version; says out "accel-build "; is_silent err
+}
+
+test_help() {
+  expect 0 "$ACCEL_TRACE" --help; says out "Examples:"; says out "Exit status:"; says out --max-leaf-size
+  expect 0 "$ACCEL_TRACE" scene-that-is-not-there.ply --nonsense -h; says out Usage
+  expect 0 "$ACCEL_BUILD" --help; says out "Examples:"
+}
+
+test_help_fits_100_columns() {
+  for program in "$ACCEL_TRACE" "$ACCEL_BUILD"; do
+    expect 0 "$program" --help
+    [ "$(awk '{ if (length($0) > most) most = length($0) } END { print most + 0 }' out)" -le 100 ] || fail "a line of --help is too long"
+  done
+}
+
+test_list() {
+  expect 0 "$ACCEL_TRACE" --list; says out brute/loop; says out bvh/stack; says out watertight; says out soft-shadow; says out builtin:stadium
+  expect 0 "$ACCEL_BUILD" --list; says out builtin:hairball
+}
+
+test_trace_checks_every_kind() {
+  expect 0 trace builtin:cornell --method all --rays primary,shadow,soft-shadow,diffuse,ao,random,edge
+  for kind in primary shadow soft-shadow diffuse ao random edge; do says out "$kind"; done
+  says out "all right"; lacks out WRONG
+  [ "$(awk '{ if (length($0) > most) most = length($0) } END { print most }' out)" -le 100 ] || fail "the table is wider than 100 columns"
+  is_silent err
+}
+
+test_check_exact_and_none() {
+  expect 0 trace builtin:cornell --check exact; says out "all hits judged by exact arithmetic"; lacks out Embree
+  expect 0 trace builtin:cornell --check none; says out "not checked"; lacks out Verdicts
+}
+
+test_check_embree_status() {
+  if has embree; then expect 0 trace builtin:cornell --check embree; says out "x Embree"
+  else expect 5 trace builtin:cornell --check embree; one_line_error; fi
+}
+
+test_triangle_tests() {
+  for t in watertight moeller-trumbore; do expect 0 trace builtin:cornell --test $t --rays primary --check none; done
+}
+
+# Moeller-Trumbore leaks along edges: the judge must notice, say so first, and leave a bundle.
+test_mismatch_is_status_3() {
+  expect 3 trace builtin:spheres:20000 --test moeller-trumbore --rays edge --count 200000
+  one_line_error; says err "verification failed"
+  [ "$(head -n 1 out)" = "WRONG HITS" ] || fail "failures do not come first"
+  says out "to reproduce: accel-repro-"
+  ls accel-repro-*.txt accel-repro-*-rays.npy accel-repro-*.obj >/dev/null || fail "the repro bundle is not there"
+}
+
+test_usage_errors() {
+  quad
+  usage_error trace --metod bvh/stack; says err "did you mean '--method'?"
+  usage_error trace --method bvh/stak; says err "did you mean 'bvh/stack'?"
+  usage_error trace --rays primry; says err "did you mean 'primary'?"
+  usage_error trace --test waterthight; says err "did you mean 'watertight'?"
+  usage_error trace --check embre; says err "did you mean 'embree'?"
+  usage_error trace builtin:stadum; says err "did you mean 'stadium'?"
+  usage_error trace --profile cuda; says err simt
+  usage_error trace --schedule sometimes; says err while-while
+  usage_error trace --device gpu; says err --device
+  usage_error trace quad.obj another.obj; says err "another.obj"
+  usage_error trace --progress maybe; says err --progress
+  usage_error trace --quiet --verbose
+}
+
+test_bad_numbers_name_the_flag() {
+  for bad in 0 -1 1.5 abc 99999999999999999999 ''; do
+    for flag in --width --height --spp --count --judge-limit; do
+      usage_error "$ACCEL_TRACE" builtin:cornell $flag "$bad"; says err "$flag"
+    done
+  done
+  usage_error trace --seed -1; says err --seed
+  usage_error trace --threads -2; says err --threads
+  usage_error trace --repeat 0; says err --repeat
+  usage_error trace --max-leaf-size 0; says err --max-leaf-size
+  usage_error trace --traversal-cost nan; says err --traversal-cost
+  usage_error trace --traversal-cost inf; says err --traversal-cost
+  usage_error "$ACCEL_TRACE" --width 65536 --height 65536 --spp 1000; says err "--spp"
+}
+
+test_cameras() {
+  quad
+  expect 0 trace quad.obj --camera -0.5,0.5,3,0.5,0.5,0,0,1,0,45
+  usage_error trace quad.obj --camera 1,2,3; says err --camera
+  usage_error trace quad.obj --camera 0,0,0,0,0,0,0,1,0,45; says err --camera
+  usage_error trace quad.obj --camera 0,0,3,0,0,0,0,1,0,180; says err --camera
+  usage_error trace quad.obj --camera 0,0,3,0,0,x,0,1,0,45; says err "'x'"
+  usage_error trace quad.obj --camera 1; says err "no cameras"
+  echo '{"cameras": [{"name": "door", "eye": [0.5, 0.5, 3], "at": [0.5, 0.5, 0]}]}' >quad.json
+  expect 0 trace quad.obj --camera door; says out "'door'"
+  expect 0 trace quad.obj --camera 1; says out "'door'"
+  usage_error trace quad.obj --camera dor; says err "did you mean 'door'?"
+  usage_error trace quad.obj --camera 2; says err "1 camera"
+}
+
+test_input_errors() {
+  input_error trace nothing.ply; says err nothing.ply
+  input_error trace .; 
+  echo 'v 0 0 0' >scene.stl; input_error trace scene.stl; says err scene.stl
+  printf 'v 0 0 0\nf 1 2 9\n' >bad.obj; input_error trace bad.obj; says err bad.obj
+  printf 'ply\nformat ascii 1.0\nelement vertex 99999999999\n' >bad.ply; input_error trace bad.ply; says err bad.ply
+  head -c 100 /dev/zero >bad.accel; input_error trace bad.accel; says err bad.accel
+  head -c 100 /dev/zero >bad.npy; input_error trace builtin:cornell --rays bad.npy; says err bad.npy
+  quad; echo '{"cameras": 3}' >quad.json; input_error trace quad.obj; says err quad.json
+}
+
+test_empty_and_odd_scenes() {
+  printf 'v 0 0 0\n' >empty.obj; expect 0 trace empty.obj --method all --rays primary,shadow,random,edge
+  printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj; expect 0 trace line.obj --method all --rays primary,random
+  printf 'v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n' >nan.obj; expect 0 trace nan.obj --method all
+}
+
+test_accel_files() {
+  quad
+  expect 0 build quad.obj -o quad.accel --structure bvh; says out "written to quad.accel"
+  expect 0 trace quad.accel; says out bvh/stack; says out "all right"
+  expect 1 trace quad.accel --method brute/loop; one_line_error; says err "--method bvh/stack"
+  expect 0 trace quad.accel --method all; says out "skipped: brute/loop"
+  expect 0 build quad.obj -o list.accel --for brute/loop
+  expect 0 trace list.accel; says out brute/loop
+}
+
+test_corrupt_accel_files() {
+  build builtin:cornell:2000 -o whole.accel --structure bvh >/dev/null || fail "no file to corrupt"
+  local size offset
+  size=$(stat -c %s whole.accel)
+  for offset in 0 8 20 70 200 $((size / 2)) $((size - 9)); do
+    cp whole.accel broken.accel
+    printf '\xa5\x5a\xa5' | dd of=broken.accel bs=1 seek="$offset" conv=notrunc status=none
+    cmp -s whole.accel broken.accel || { input_error trace broken.accel; says err broken.accel; }
+    head -c "$offset" whole.accel >broken.accel; input_error trace broken.accel
+  done
+}
+
+test_accel_build_usage() {
+  quad
+  usage_error build; says err scene
+  usage_error build quad.obj; says err "-o"
+  usage_error build quad.obj -o quad.bin; says err .accel
+  usage_error build quad.obj -o quad.accel --structure bhv; says err "did you mean 'bvh'?"
+  usage_error build quad.obj -o quad.accel --for bvh/stak; says err "did you mean 'bvh/stack'?"
+  usage_error build quad.obj -o quad.accel --structure bvh --for brute/loop; says err contradict
+  usage_error build quad.accel -o quad.accel; says err "structure already"
+  expect 0 build quad.obj --stats; says out "LEAF SIZE"
+}
+
+test_accel_build_json() {
+  needs_python
+  expect 0 build builtin:cornell --json - ; json out 'j["benchmarks"][0]["triangles"] > 0 and j["context"]["executable"] == "accel-build"'
+  expect 0 build builtin:cornell --json report.json -o c.accel; json report.json 'j["benchmarks"][0]["bytes"] > 0'
+}
+
+test_builds_are_deterministic() {
+  for threads in 1 2 3; do expect 0 "$ACCEL_BUILD" builtin:soup:20000 -o $threads.accel --threads $threads; done
+  # Build times are part of the files' metadata; the answers must not differ in a bit.
+  for threads in 1 2 3; do expect 0 trace $threads.accel --rays random --hits-out $threads.npy --check none; done
+  cmp 1.npy 2.npy && cmp 2.npy 3.npy || fail "hits depend on the number of threads"
+}
+
+test_json() {
+  needs_python
+  expect 0 trace builtin:cornell --method all --rays primary,shadow --json -
+  json out 'set(["date", "num_cpus", "command_line", "versions", "seed", "skipped"]) <= set(j["context"])'
+  json out 'all(set(["name", "method", "rays_kind", "rays", "real_time", "cpu_time", "time_unit", "mrays_per_second", "mrays_min", "mrays_max", "build_seconds", "bytes"]) <= set(b) for b in j["benchmarks"])'
+  json out 'all(b["verdicts"]["miss"] == b["verdicts"]["far"] == b["verdicts"]["false"] == 0 for b in j["benchmarks"] if "verdicts" in b)'
+  json out 'any("t_ulp" in b for b in j["benchmarks"])'
+  json out '[b["method"] for b in j["benchmarks"] if b["rays_kind"] == "primary"][0] == "brute/loop"'
+  if has embree; then json out 'all("ratio_to_embree" in b for b in j["benchmarks"]) and any(b["method"] == "Embree" for b in j["benchmarks"])'; fi
+  expect 0 trace builtin:cornell --json report.json; says out Speed; json report.json 'len(j["benchmarks"]) >= 1'
+}
+
+test_skips_are_reported() {
+  expect 0 "$ACCEL_TRACE" builtin:soup:100000 --method all --width 200 --height 100 --repeat 1
+  says out "skipped: brute/loop, because"
+}
+
+test_rays_and_hits_files() {
+  expect 0 trace builtin:cornell --rays diffuse --rays-out rays.npy --hits-out one.npy --check none
+  expect 0 trace builtin:cornell --rays rays.npy --hits-out two.npy
+  cmp one.npy two.npy || fail "the same rays have other hits"
+  usage_error trace --rays-out rays.txt; says err .npy
+  if python3 -c 'import numpy' 2>/dev/null; then
+    python3 -c '
+import numpy
+rays, hits = numpy.load("rays.npy"), numpy.load("one.npy")
+assert rays.shape == (len(hits), 8) and set(hits.dtype.names) == {"t", "u", "v", "prim_id"}
+assert (hits["t"][hits["prim_id"] != 0xffffffff] > 0).all()' || fail "NumPy reads something else"
+  fi
+}
+
+test_any_hit_kinds_write_hits() { expect 0 trace builtin:cornell --rays shadow --hits-out hits.npy; [ -s hits.npy ] || fail "no hits"; }
+
+test_pictures() {
+  has images || { expect 5 trace --image view.png; one_line_error; skip "no image library"; }
+  expect 0 trace builtin:cornell --image view.png --heatmap heat.png --diff diff.png
+  for f in view.png heat.png diff.png; do head -c 4 $f | grep -q PNG || fail "$f is no PNG"; done
+  expect 0 trace builtin:cornell --image view.exr --heatmap heat.exr --diff diff.exr --spp 3
+  for f in view.exr heat.exr diff.exr; do [ "$(head -c 4 $f | od -An -tx1 | tr -d ' ')" = 762f3101 ] || fail "$f is no EXR"; done
+  for name in prim_id Nx Ny Nz; do says view.exr $name; done
+  says heat.exr steps
+  usage_error trace --image view.bmp2; says err --image
+  usage_error trace --rays random,primary --heatmap heat.png; says err --heatmap
+  usage_error trace --check none --diff diff.png; says err --diff
+}
+
+test_pictures_are_deterministic() {
+  has images || skip "no image library"
+  for threads in 1 3; do
+    expect 0 "$ACCEL_TRACE" builtin:cornell --width 40 --height 30 --spp 2 --repeat 1 --check none --threads $threads --image $threads.png
+  done
+  cmp 1.png 3.png || fail "the picture depends on the number of threads"
+}
+
+test_simt_profile() {
+  needs_python
+  for schedule in while-while if-if speculative persistent; do
+    expect 0 trace builtin:cornell --profile simt --schedule $schedule; says out "SIMT profile"
+  done
+  expect 0 trace builtin:cornell --profile simt --json -
+  json out 'all(0 < b["simt"]["efficiency"] <= 1 for b in j["benchmarks"] if b["method"] != "Embree")'
+}
+
+test_judge_limit_is_reported() {
+  expect 0 trace builtin:cornell --check exact --judge-limit 10
+  says out "judged"; says out "none found wrong"
+}
+
+test_cuda_without_device() {
+  "$ACCEL_TRACE" builtin:cornell --device cuda --width 8 --height 8 --repeat 1 >out 2>err
+  case $? in 0) skip "there is a device" ;; 5) one_line_error; says err cuda ;; *) fail "neither 0 nor 5" ;; esac
+}
+
+test_unwritable_outputs() {
+  for flag in --json --rays-out --hits-out; do
+    expect 1 trace builtin:cornell $flag no/such/folder/file.npy; one_line_error; says err no/such/folder
+  done
+  expect 1 build builtin:cornell -o no/such/folder/file.accel; one_line_error; says err no/such/folder
+  if has images; then expect 1 trace builtin:cornell --image no/such/folder/view.png; one_line_error; fi
+}
+
+test_full_disk_and_closed_pipe() {
+  [ -w /dev/full ] || skip "no /dev/full"
+  trace builtin:cornell >/dev/full 2>err; [ $? -eq 1 ] || fail "a full disk is no error"
+  : >out; one_line_error; says err "standard output"
+  { trace builtin:cornell 2>err; echo $? >status; } | true
+  case "$(cat status)" in 0 | 1) ;; *) fail "a closed pipe ends with status $(cat status)" ;; esac
+}
+
+test_outputs_are_replaced_whole() {
+  echo before >rays.npy
+  expect 0 trace builtin:cornell --rays-out rays.npy
+  head -c 6 rays.npy | grep -q NUMPY || fail "the file was not replaced"
+  [ "$(ls -A | sort | tr '\n' ' ')" = "err out rays.npy " ] || fail "something was left behind: $(ls -A)"
+}
+
+# A run that would take minutes is interrupted: it ends at once with 130 and leaves nothing behind.
+test_interrupt_is_130() {
+  echo before >hits.npy
+  "$ACCEL_TRACE" builtin:soup:200000 --method brute/loop --rays random --count 100000 --hits-out hits.npy --check none >out 2>err &
+  local pid=$!
+  sleep 3
+  kill -INT $pid
+  wait $pid
+  [ $? -eq 130 ] || fail "not status 130"
+  one_line_error; says err interrupted; is_silent out
+  [ "$(cat hits.npy)" = before ] || fail "an output was touched"
+}
+
+test_progress() {
+  expect 0 trace builtin:cornell --progress always; says err "%"
+  expect 0 trace builtin:cornell --progress never; is_silent err
+  expect 0 trace builtin:cornell; is_silent err
+}
+
+test_color() {
+  expect 0 trace builtin:cornell --color always; grep -q $'\x1b\\[' out || fail "no colour"
+  expect 0 trace builtin:cornell; ! grep -q $'\x1b' out || fail "colour in a file"
+}
+
+test_quiet_and_verbose() {
+  expect 0 trace builtin:cornell --verbose; [ -s err ] || fail "--verbose says nothing"
+  expect 0 trace builtin:cornell --quiet; is_silent err
+}
+
+test_seed_decides_rays() {
+  for seed in 1 1 2; do expect 0 trace builtin:cornell --rays random --seed $seed --rays-out $seed-$RANDOM.npy --check none; done
+  [ "$(cat 1-*.npy | md5sum)" != "" ] && set -- 1-*.npy && cmp "$1" "$2" || fail "the same seed gives other rays"
+  set -- 1-*.npy 2-*.npy; ! cmp -s "$1" "$3" || fail "another seed gives the same rays"
+}
+
+test_zstd_and_ply() {
+  command -v zstd >/dev/null || skip "zstd was not found"
+  quad; zstd -q quad.obj; rm quad.obj
+  expect 0 trace quad.obj.zst; says out "2 triangles"
+}
+
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+: >out; : >err
+"test_$1"
