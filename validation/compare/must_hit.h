@@ -17,17 +17,18 @@ class MustHit {
   // `bounds` are those of `triangle`, which is possible and has an area.
   void add(const Triangle& triangle, const TriangleBounds& bounds);
 
-  // Whether c is not in the row space of A. O(edges * rank * triangles / 64), for a handful of triangles in practice.
+  // Whether c is not in the row space of A, by elimination on sparse rows: an edge has two triangles as a rule, and parts of
+  // the mesh that are not connected near the ray do not mix.
   bool decide() const;
 
  private:
   using Position = std::tuple<float, float, float>;
   using Edge = std::pair<Position, Position>;
-  using Bits = std::vector<std::uint64_t>;  // one bit a triangle, as many words as are needed
+  using Columns = std::vector<std::uint32_t>;  // of the ones in a row, ascending
 
-  std::map<Edge, Bits> near_edges_;  // the rows of A
-  Bits parities_;                    // c
-  std::size_t triangles_ = 0;
+  std::map<Edge, Columns> near_edges_;  // the rows of A
+  Columns parities_;                    // c
+  std::uint32_t triangles_ = 0;
   bool surely_inside_one_ = false;
 };
 
