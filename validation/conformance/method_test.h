@@ -1,0 +1,106 @@
+// What the conformance tests share: every one of them runs for every method of the registry with every triangle test, through
+// the public interface.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "libaccel/registry/any_accel.h"
+#include "validation/compare/judge.h"
+
+namespace accel {
+
+inline bool operator==(const Hit& a, const Hit& b) {
+  return std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && a.u == b.u && a.v == b.v &&
+         a.prim_id == b.prim_id;
+}
+inline std::ostream& operator<<(std::ostream& out, const Hit& hit) {
+  return out << "{t " << hit.t << ", u " << hit.u << ", v " << hit.v << ", prim_id " << static_cast<std::int64_t>(hit.prim_id)
+             << '}';
+}
+
+}  // namespace accel
+
+namespace accel::validation {
+
+struct MethodCase {
+  std::string method, test;
+};
+inline std::ostream& operator<<(std::ostream& out, const MethodCase& c) { return out << c.method << " with " << c.test; }
+
+class MethodTest : public testing::TestWithParam<MethodCase> {
+ protected:
+  // The method under test, over a mesh.
+  static AnyAccel build(const TriangleMesh& mesh) { return build(mesh, GetParam().method); }
+  static AnyAccel build_brute_force(const TriangleMesh& mesh) { return build(mesh, "brute/loop"); }
+
+  static AnyAccel build(const TriangleMesh& mesh, const std::string& method) {
+    Result<AnyAccel> accel = AnyAccel::build(mesh, method);
+    if (!accel) throw std::runtime_error(accel.message());
+    return std::move(accel).value();
+  }
+
+  // The answers of a method with the triangle test under test.
+  static std::vector<Hit> closest(const AnyAccel& accel, const std::vector<Ray>& rays, int threads = 1) {
+    std::vector<Hit> hits(rays.size());
+    const Status status = accel.closest(rays, hits, {.threads = threads, .test = GetParam().test});
+    EXPECT_TRUE(status) << status.message();
+    return hits;
+  }
+  static std::vector<std::uint8_t> occluded(const AnyAccel& accel, const std::vector<Ray>& rays, int threads = 1) {
+    std::vector<std::uint8_t> result(rays.size());
+    const Status status = accel.occluded(rays, result, {.threads = threads, .test = GetParam().test});
+    EXPECT_TRUE(status) << status.message();
+    return result;
+  }
+
+  static bool is_watertight() { return GetParam().test == "watertight"; }
+
+  // The answers of two ways to the same hits are the same, bit for bit. Where not:
+  //
+  // - With the watertight test, exact arithmetic must excuse the answer. There is one reason for such rays: a triangle test
+  // rounds,
+  //   and may see a triangle that the ray passes by a hair, or whose distance cancels, outside of the box that holds it
+  //   exactly.
+  // - Moeller and Trumbore's test has no bound on its errors, so its hits may lie far outside of their boxes.
+  //
+  // Either way such rays are few: one in thirty of those that hurt most, one in five with Moeller and Trumbore's test.
+  static void expect_same(const std::string& what, const Judge& judge, const std::vector<Ray>& rays,
+                          const std::vector<Hit>& ours, const std::vector<Hit>& expected) {
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (ours[i] == expected[i]) continue;
+      ++different;
+      if (!is_watertight()) continue;
+      const Verdict verdict = judge.judge(rays[i], ours[i], judge.oracle().closest(rays[i]));
+      EXPECT_FALSE(is_failure(verdict)) << what << ", ray " << i << ": " << ours[i] << ", expected " << expected[i]
+                                        << ", which is " << to_string(verdict);
+    }
+    EXPECT_LE(different, 1 + rays.size() / (is_watertight() ? 30 : 5)) << what;
+  }
+};
+
+inline std::vector<MethodCase> all_cases() {
+  std::vector<MethodCase> cases;
+  for (const MethodInfo& method : methods())
+    for (const std::string& test : triangle_tests()) cases.push_back({method.name, test});
+  return cases;
+}
+
+inline std::string case_name(const testing::TestParamInfo<MethodCase>& info) {
+  std::string name = info.param.method + "_" + info.param.test;
+  for (char& c : name)
+    if (c == '/' || c == '-') c = '_';
+  return name;
+}
+
+}  // namespace accel::validation
+
+// Runs a suite derived from MethodTest for every method and triangle test.
+#define ACCEL_FOR_EVERY_METHOD(Suite) \
+  INSTANTIATE_TEST_SUITE_P(Methods, Suite, testing::ValuesIn(accel::validation::all_cases()), accel::validation::case_name)

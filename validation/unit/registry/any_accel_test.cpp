@@ -1,0 +1,103 @@
+#include "libaccel/registry/any_accel.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "validation/stress/stress_scenes.h"
+
+namespace accel {
+namespace {
+
+using testing::HasSubstr;
+
+TriangleMesh triangle() { return validation::mesh_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}); }
+
+AnyAccel build(const char* method) {
+  Result<AnyAccel> accel = AnyAccel::build(triangle(), method);
+  EXPECT_TRUE(accel) << accel.message();
+  return std::move(accel).value();
+}
+
+TEST(Registry, DescribesItsMethods) {
+  std::set<std::string> names;
+  for (const MethodInfo& info : methods()) {
+    EXPECT_EQ(info.name, info.builder + "/" + info.traverser);
+    EXPECT_FALSE(info.structure.empty());
+    EXPECT_TRUE(names.insert(info.name).second) << info.name;
+    const Result<std::string> found = find_method(info.name);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(*found, info.name);
+    EXPECT_EQ(build(info.name.c_str()).method().name, info.name);
+  }
+  EXPECT_TRUE(names.contains("brute/loop"));
+  EXPECT_TRUE(names.contains(best_method()));
+}
+
+TEST(Registry, BestIsAMethod) {
+  const Result<std::string> best = find_method("best");
+  ASSERT_TRUE(best);
+  EXPECT_EQ(*best, best_method());
+}
+
+TEST(Registry, SuggestsWhatWasMeant) {
+  const Result<std::string> found = find_method("bvh/stcak");
+  ASSERT_FALSE(found);
+  EXPECT_THAT(found.message(), HasSubstr("bvh/stcak"));
+  EXPECT_THAT(found.message(), HasSubstr("did you mean 'bvh/stack'"));
+  EXPECT_FALSE(AnyAccel::build(triangle(), "nonsense"));
+}
+
+TEST(AnyAccel, RefusesMeshesThatAreNone) {
+  TriangleMesh mesh = triangle();
+  mesh.triangles = Buffer<IndexTriple>::copy_of(std::vector<IndexTriple>{{0, 1, 3}});
+  const Result<AnyAccel> accel = AnyAccel::build(mesh, "bvh/stack");
+  ASSERT_FALSE(accel);
+  EXPECT_THAT(accel.message(), HasSubstr("names vertex 3"));
+}
+
+TEST(AnyAccel, BindsOnlyStructuresOfItsKind) {
+  const Result<AnyAccel> wrong = build("brute/loop").with_method("bvh/stack");
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.message(), HasSubstr("bvh/stack"));
+  EXPECT_THAT(wrong.message(), HasSubstr("'bvh2'"));
+  EXPECT_THAT(wrong.message(), HasSubstr("'list'"));
+  EXPECT_TRUE(build("bvh/stack").with_method("bvh/stack"));
+}
+
+TEST(AnyAccel, RefusesTreesDeeperThanItsStack) {
+  Bvh2 bvh = std::get<Bvh2>(build("bvh/stack").structure());
+  bvh.depth = kBvh2StackSize;
+  EXPECT_TRUE(AnyAccel::bind(bvh, "bvh/stack"));
+  bvh.depth = kBvh2StackSize + 1;
+  const Result<AnyAccel> deep = AnyAccel::bind(bvh, "bvh/stack");
+  ASSERT_FALSE(deep);
+  EXPECT_THAT(deep.message(), HasSubstr("max_depth"));
+}
+
+TEST(AnyAccel, ChecksSpansAndTestNames) {
+  const AnyAccel accel = build("bvh/stack");
+  const std::vector<Ray> rays(2, {.org = {0.25f, 0.25f, 1}, .dir = {0, 0, -1}});
+  std::vector<Hit> hits(1);
+  std::vector<std::uint8_t> occluded(3);
+  EXPECT_FALSE(accel.closest(rays, hits));
+  EXPECT_FALSE(accel.occluded(rays, occluded));
+  hits.resize(2);
+  EXPECT_TRUE(accel.closest(rays, hits));
+  const Status unknown = accel.closest(rays, hits, {.test = "watertite"});
+  ASSERT_FALSE(unknown);
+  EXPECT_THAT(unknown.message(), HasSubstr("did you mean 'watertight'"));
+  EXPECT_TRUE(accel.closest(std::span<const Ray>(), std::span<Hit>()));
+}
+
+TEST(AnyAccel, CopiesShareTheirStructure) {
+  const AnyAccel first = build("bvh/stack");
+  const AnyAccel second = first;
+  EXPECT_EQ(&first.structure(), &second.structure());
+  EXPECT_EQ(first.size_bytes(), second.size_bytes());
+  EXPECT_EQ(second.closest(Ray{.org = {0.25f, 0.25f, 1}, .dir = {0, 0, -1}}).t, 1.0f);
+}
+
+}  // namespace
+}  // namespace accel
