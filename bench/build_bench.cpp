@@ -1,0 +1,61 @@
+// Build times of every builder of the registry, beside Embree's of medium and high quality in the same run.
+//
+// A group is a scene; its rows are the builders, and Embree's two qualities. Ratios are to medium quality.
+#include <benchmark/benchmark.h>
+
+#include <memory>
+#include <set>
+
+#include "bench/bench_main.h"
+#include "libaccel/registry/any_accel.h"
+#include "validation/oracle/embree.h"
+
+namespace accel::bench {
+namespace {
+
+void add_builder(const std::shared_ptr<Scene>& scene, const MethodInfo& method, int threads) {
+  const auto row = [=](benchmark::State& state) {
+    for (auto _ : state) {
+      const Result<AnyAccel> accel = AnyAccel::build(scene->data.mesh, method.name, {.threads = threads});
+      if (!accel) return state.SkipWithError(accel.message().c_str());
+      state.counters["bytes"] = static_cast<double>(accel->size_bytes());
+      state.counters["peak_bytes"] = static_cast<double>(accel->report().peak_bytes);
+    }
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(scene->data.mesh.size()));
+  };
+  benchmark::RegisterBenchmark((scene->name + "|" + method.builder).c_str(), row)->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
+// Without the copy of the mesh that Embree makes for itself: ours reads the caller's.
+void add_embree(const std::shared_ptr<Scene>& scene, const char* name, validation::EmbreeQuality quality, int threads) {
+  const auto row = [=](benchmark::State& state) {
+    for (auto _ : state) {
+      const auto embree = validation::EmbreeWitness::build(scene->data.mesh, {.quality = quality, .build_threads = threads});
+      if (!embree) return state.SkipWithError(embree.message().c_str());
+      state.SetIterationTime(embree->build_seconds());
+      state.counters["bytes"] = static_cast<double>(embree->size_bytes());
+    }
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(scene->data.mesh.size()));
+  };
+  benchmark::RegisterBenchmark((scene->name + "|" + name).c_str(), row)->Unit(benchmark::kMillisecond)->UseManualTime();
+}
+
+Status register_benchmarks(const Options& options) {
+  for (const std::string& spec : options.scenes) {
+    Result<Scene> loaded = load(spec);
+    if (!loaded) return loaded.error();
+    const auto scene = std::make_shared<Scene>(std::move(loaded).value());
+    std::set<std::string> builders;
+    for (const MethodInfo& method : methods())
+      if (builders.insert(method.builder).second) add_builder(scene, method, options.threads);
+    if (!validation::EmbreeWitness::available()) continue;
+    add_embree(scene, kEmbreeRow, validation::EmbreeQuality::medium, options.threads);
+    add_embree(scene, "embree-high", validation::EmbreeQuality::high, options.threads);
+  }
+  return Done{};
+}
+
+}  // namespace
+}  // namespace accel::bench
+
+int main(int argc, char** argv) { return accel::bench::run(argc, argv, accel::bench::register_benchmarks); }

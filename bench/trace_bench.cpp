@@ -1,0 +1,108 @@
+// Rays per second of every method, beside Embree's on the same rays in the same run.
+//
+// A group is a scene and a ray kind; its rows are the methods, and Embree robust through single-ray calls. Closest or any hit,
+// as renderers ask it of the kind.
+#include <benchmark/benchmark.h>
+
+#include <memory>
+
+#include "bench/bench_main.h"
+#include "libaccel/registry/any_accel.h"
+#include "validation/oracle/embree.h"
+
+namespace accel::bench {
+namespace {
+
+constexpr RayKind kKinds[] = {RayKind::primary, RayKind::shadow, RayKind::diffuse, RayKind::random, RayKind::edge};
+
+// Brute force is there to be right, not fast: it gets small scenes only.
+constexpr std::size_t kMostTrianglesForBruteForce = 2000;
+
+// Everything that the rows of a scene share; they hold it alive.
+struct Subject {
+  Scene scene;
+  std::vector<AnyAccel> methods;
+  std::unique_ptr<validation::EmbreeWitness> embree;
+};
+
+Result<std::shared_ptr<Subject>> prepare(const std::string& spec) {
+  Result<Scene> scene = load(spec);
+  if (!scene) return scene.error();
+  auto subject = std::make_shared<Subject>();
+  subject->scene = std::move(scene).value();
+  const TriangleMesh& mesh = subject->scene.data.mesh;
+  for (const MethodInfo& method : methods()) {
+    if (method.builder == "brute" && mesh.size() > kMostTrianglesForBruteForce) continue;
+    Result<AnyAccel> accel = AnyAccel::build(mesh, method.name);
+    if (!accel) return accel.error();
+    subject->methods.push_back(std::move(accel).value());
+  }
+  if (!validation::EmbreeWitness::available()) return subject;
+  Result<validation::EmbreeWitness> embree = validation::EmbreeWitness::build(mesh);
+  if (!embree) return embree.error();
+  subject->embree = std::make_unique<validation::EmbreeWitness>(std::move(embree).value());
+  return subject;
+}
+
+struct RayBatch {
+  RaySet set;
+  Query query;
+  std::vector<Hit> hits;
+  std::vector<std::uint8_t> occluded;
+};
+
+// Registers a row. `closest` and `occluded` answer a batch.
+template <class Closest, class Occluded>
+void add_row(const std::string& name, const std::shared_ptr<RayBatch>& batch, const Closest& closest,
+             const Occluded& occluded) {
+  const auto row = [=](benchmark::State& state) {
+    for (auto _ : state) {
+      if (batch->query == Query::closest)
+        closest(batch->set.rays.span(), std::span(batch->hits));
+      else
+        occluded(batch->set.rays.span(), std::span(batch->occluded));
+      benchmark::ClobberMemory();
+    }
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(batch->set.size()));
+  };
+  benchmark::RegisterBenchmark(name.c_str(), row)->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
+void add_group(const std::string& group, const std::shared_ptr<Subject>& subject, const std::shared_ptr<RayBatch>& batch,
+               int threads) {
+  using Rays = std::span<const Ray>;
+  for (const AnyAccel& accel : subject->methods)
+    add_row(
+        group + "|" + accel.method().name, batch,
+        [=](Rays rays, std::span<Hit> hits) { benchmark::DoNotOptimize(accel.closest(rays, hits, {.threads = threads}).ok()); },
+        [=](Rays rays, std::span<std::uint8_t> out) {
+          benchmark::DoNotOptimize(accel.occluded(rays, out, {.threads = threads}).ok());
+        });
+  if (!subject->embree) return;
+  add_row(
+      group + "|" + kEmbreeRow, batch, [=](Rays rays, std::span<Hit> hits) { subject->embree->closest(rays, hits, threads); },
+      [=](Rays rays, std::span<std::uint8_t> out) { subject->embree->occluded(rays, out, threads); });
+}
+
+Status register_benchmarks(const Options& options) {
+  for (const std::string& spec : options.scenes) {
+    const auto subject = prepare(spec);
+    if (!subject) return subject.error();
+    for (const RayKind kind : kKinds) {
+      Result<RaySet> rays = make_rays((*subject)->scene, kind, options.rays);
+      if (!rays) return rays.error();
+      auto batch = std::make_shared<RayBatch>();
+      batch->query = info(kind).query;
+      batch->hits.resize(rays->size()), batch->occluded.resize(rays->size());
+      batch->set = std::move(rays).value();
+      if (batch->set.size() > 0)
+        add_group((*subject)->scene.name + "/" + std::string(info(kind).name), *subject, batch, options.threads);
+    }
+  }
+  return Done{};
+}
+
+}  // namespace
+}  // namespace accel::bench
+
+int main(int argc, char** argv) { return accel::bench::run(argc, argv, accel::bench::register_benchmarks); }
