@@ -65,6 +65,8 @@ std::string build_report_text(const BuildRunReport& r, const BuildSettings& sett
   if (r.facts.depth) text += ", " + std::to_string(*r.facts.depth) + " levels deep";
   if (r.facts.sah_cost) text += ", SAH cost " + short_number(*r.facts.sah_cost);
   if (r.facts.epo) text += ", end-point overlap " + short_number(*r.facts.epo);
+  if (r.facts.leaf_size_mean)
+    text += ", " + short_number(*r.facts.leaf_size_mean) + " triangles a leaf (variance " + short_number(*r.facts.leaf_size_variance) + ")";
   text += "\n" + left_out_text(r.build.skipped);
   if (settings.stats) {
     text += histogram_text(r.facts.leaf_sizes, "LEAF SIZE", terminal);
@@ -96,6 +98,7 @@ std::string build_report_json(const BuildRunReport& r, const BuildSettings& sett
   if (r.facts.depth) row["depth"] = *r.facts.depth;
   if (r.facts.sah_cost) row["sah_cost"] = *r.facts.sah_cost;
   if (r.facts.epo) row["epo"] = *r.facts.epo;
+  if (r.facts.leaf_size_variance) row["leaf_size_variance"] = *r.facts.leaf_size_variance;
   if (!r.facts.leaf_sizes.empty()) row["leaf_sizes"] = r.facts.leaf_sizes;
   if (!r.facts.leaf_depths.empty()) row["leaf_depths"] = r.facts.leaf_depths;
   const Json context = {{"executable", "accel-build"},    {"command_line", settings.common.command_line},

@@ -61,11 +61,10 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
   const auto accel = build_structure(*scene, settings.builder, options);
   if (!accel) return accel.error();
 
-  const auto facts = facts_of(accel->structure(), scene->mesh(), options, settings.stats ? Detail::all : Detail::quick);
-  if (!facts) return facts.error();
+  const StructureFacts facts = facts_of(accel->structure(), options, settings.stats ? Detail::all : Detail::quick);
   if (!settings.output.empty()) {
     bar.begin("writing " + settings.output);
-    const AccelMetadata metadata = metadata_of(*scene, *accel, *facts, options);
+    const AccelMetadata metadata = metadata_of(*scene, *accel, facts, options);
     const Status saved =
         std::visit([&](const auto& s) { return save_accel(settings.output, metadata, scene->mesh(), s); }, accel->structure());
     if (!saved) return saved.error();
@@ -80,7 +79,7 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
                         scene->load_seconds,
                         threads,
                         accel->report(),
-                        *facts,
+                        facts,
                         settings.output};
 }
 

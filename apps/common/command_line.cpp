@@ -68,7 +68,7 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
         if (parse_whole(text, value) && value >= least && value <= most) return std::string();
         return "'" + text + "' should be a whole number from " + with_commas(least) + " to " + with_commas(most);
       },
-      "N", "whole number");
+      "", "whole number");
 }
 
 CLI::Validator real_number(double least, double most) {
@@ -78,7 +78,7 @@ CLI::Validator real_number(double least, double most) {
         if (parse_whole(text, value) && value >= least && value <= most) return std::string();
         return "'" + text + "' should be a number from " + short_number(least) + " to " + short_number(most);
       },
-      "X", "number");
+      "", "number");
 }
 
 void add_common_options(CLI::App& app, CommonSettings& settings) {
@@ -124,7 +124,7 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
   add("--bins", options.bins, "bins of the surface-area heuristic, per axis", whole_number(2, 1024), "N");
   add("--traversal-cost", options.traversal_cost, "cost of a step through a node", real_number(1e-3, 1e6), "X");
   add("--intersection-cost", options.intersection_cost, "cost of a triangle test", real_number(1e-3, 1e6), "X");
-  add("--spatial-overlap", options.spatial_overlap, "least overlap that a spatial split is tried for, as a share of the root",
+  add("--spatial-overlap", options.spatial_overlap, "least overlap for a spatial split, as a share of the root",
       real_number(0, 1), "X");
   add("--max-duplication", options.max_duplication, "extra references that spatial splits may make, per triangle",
       real_number(0, 100), "X");

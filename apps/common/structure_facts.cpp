@@ -1,24 +1,45 @@
 #include "apps/common/structure_facts.h"
 
+#include <algorithm>
+
+#include "libaccel/structure/bvh2_stats.h"
+
 namespace accel::apps {
 
 namespace {
 
-Result<StructureFacts> facts_of_kind(const Bvh2& bvh, const TriangleMesh&, const BuildOptions&, Detail) {
+// End-point overlap takes microseconds a triangle: larger trees are sampled down to about this many.
+constexpr std::uint64_t kMostOverlapTriangles = 200'000;
+
+StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detail detail) {
+  const Bvh2Stats stats = bvh2_stats(bvh, options.traversal_cost, options.intersection_cost);
   StructureFacts facts;
-  facts.depth = bvh.depth;
+  facts.sah_cost = stats.sah_cost;
+  facts.depth = stats.depth;
+  facts.leaf_size_mean = stats.mean_leaf_size;
+  facts.leaf_size_variance = stats.leaf_size_variance;
+  facts.leaf_sizes = stats.leaves_by_size;
+  facts.leaf_depths = stats.leaves_by_depth;
+  while (!facts.leaf_sizes.empty() && facts.leaf_sizes.back() == 0) facts.leaf_sizes.pop_back();
+  if (detail == Detail::all) {
+    const auto stride = static_cast<std::uint32_t>(std::max<std::uint64_t>(stats.triangles / kMostOverlapTriangles, 1));
+    facts.epo = end_point_overlap(bvh, options.traversal_cost, options.intersection_cost, stride);
+  }
   return facts;
 }
 
-Result<StructureFacts> facts_of_kind(const TriangleList&, const TriangleMesh&, const BuildOptions&, Detail) {
-  return StructureFacts{};
+// Structures of other kinds say at least how deep they are, if they are trees.
+template <class Structure>
+StructureFacts facts_of_kind(const Structure& structure, const BuildOptions&, Detail) {
+  StructureFacts facts;
+  if constexpr (requires { structure.depth; }) facts.depth = structure.depth;
+  return facts;
 }
 
 }  // namespace
 
-Result<StructureFacts> facts_of(const AnyStructure& structure, const TriangleMesh& mesh, const BuildOptions& options,
-                                Detail detail) {
-  return std::visit([&](const auto& s) { return facts_of_kind(s, mesh, options, detail); }, structure);
+StructureFacts facts_of(const AnyStructure& structure, const BuildOptions& options, Detail detail) {
+  return std::visit([&](const auto& s) { return facts_of_kind(s, options, detail); }, structure);
 }
 
 }  // namespace accel::apps

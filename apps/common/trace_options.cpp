@@ -50,7 +50,7 @@ constexpr std::array<ScheduleName, 4> kSchedules = {{{"while-while", SimtSchedul
                                                      {"persistent", SimtSchedule::persistent_while_while}}};
 
 void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
-  app.add_option("SCENE", settings.scene, "file (.ply .obj, or either .zst), structure (.accel), or builtin:NAME[:size]");
+  app.add_option("SCENE", settings.scene, ".ply or .obj (or either .zst), .accel, or builtin:NAME[:size]");
   app.add_option("-m,--method", raw.methods, "methods (builder/traverser), best, or all")
       ->capture_default_str()
       ->type_name("NAME,...")
@@ -79,8 +79,8 @@ void add_rays(CLI::App& app, TraceSettings& settings) {
       ->type_name("N")
       ->group("Rays");
   app.add_option("--camera", settings.camera,
-                 "EX,EY,EZ,AX,AY,AZ,UX,UY,UZ,VFOV (eye, at, up, degrees), or the name or number of one of "
-                 "the scene's [the first]")
+                 "eye, at, up and vertical angle: EX,EY,EZ,AX,AY,AZ,UX,UY,UZ,VFOV;\n"
+                 "or the name or number of one of the scene's cameras [the first]")
       ->type_name("CAMERA")
       ->group("Rays");
 }
@@ -91,7 +91,7 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->capture_default_str()
       ->type_name("N")
       ->group("Measuring and checking");
-  app.add_option("--check", raw.check, "who checks: embree (differences judged exactly), exact (all rays judged), none")
+  app.add_option("--check", raw.check, "embree (differences judged exactly), exact (all judged), or none")
       ->capture_default_str()
       ->type_name("WHO")
       ->group("Measuring and checking");
@@ -112,13 +112,13 @@ void add_outputs(CLI::App& app, TraceSettings& settings) {
   const auto add = [&](const char* flag, std::string& path, const char* what) {
     app.add_option(flag, path, what)->type_name("FILE")->group("Output");
   };
-  add("--json", settings.json, "results in Google Benchmark's shape; - is standard output, in place of the tables");
+  add("--json", settings.json, "in Google Benchmark's shape; - is standard output, instead of tables");
   add("--image", settings.image, "the view, shaded by normal (.png, .exr, .jpg, .tif)");
   add("--heatmap", settings.heatmap, "steps of each ray of the first method and kind, with a legend");
   add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
   add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
   add("--hits-out", settings.hits_out, "the hits of the first method and kind, as .npy");
-  add("--repro", settings.repro, "beginning of the names of files that reproduce wrong hits [accel-repro]");
+  add("--repro", settings.repro, "how names of files that reproduce wrong hits begin [accel-repro]");
 }
 
 Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }

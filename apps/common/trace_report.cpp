@@ -70,16 +70,13 @@ std::string structures_section(const TraceReport& report, const Terminal& termin
                {"triangles"},
                {"references"},
                {"SAH cost"},
-               {"depth"},
-               {"left out", Align::left}});
+               {"depth"}});
   for (const StructureRow& row : report.structures) {
     const bool ours = row.report.triangles > 0 || row.report.references > 0;
-    const std::uint64_t left_out = row.report.skipped.zero_area + row.report.skipped.out_of_range;
     table.add_row({row.name, row.build_seconds > 0 ? seconds_text(row.build_seconds) : "", bytes_text(row.bytes),
                    ours ? with_commas(row.report.triangles) : "", ours ? with_commas(row.report.references) : "",
                    row.facts.sah_cost ? short_number(*row.facts.sah_cost) : "",
-                   row.facts.depth ? std::to_string(*row.facts.depth) : "",
-                   left_out > 0 ? with_commas(left_out) + " that no ray can hit" : ""});
+                   row.facts.depth ? std::to_string(*row.facts.depth) : ""});
   }
   return section(terminal, "Structures") + table.text();
 }

@@ -27,6 +27,7 @@ class TraceRun {
 
   Outcome<TraceReport> run() {
     describe_scene();
+    describe_skipped_triangles();
     terminal_.detail("loaded " + scene_.name + ": " + counted(scene_.mesh().size(), "triangle") + " in " + seconds_text(scene_.load_seconds));
     auto set = prepare_methods(scene_, settings_, bar_, report_.skipped);
     if (!set) return set.failure();
@@ -53,6 +54,14 @@ class TraceRun {
     report_.facts = scene_.facts;
     report_.load_seconds = scene_.load_seconds;
     report_.threads = settings_.common.threads > 0 ? settings_.common.threads : tbb::info::default_concurrency();
+  }
+
+  // Triangles that builders drop: never silently.
+  void describe_skipped_triangles() {
+    const MeshFacts& facts = scene_.facts;
+    if (facts.zero_area > 0) report_.skipped.push_back({counted(facts.zero_area, "triangle"), "they have no area, and no ray can hit them"});
+    if (facts.out_of_range > 0)
+      report_.skipped.push_back({counted(facts.out_of_range, "triangle"), "a coordinate is not finite or too large"});
   }
 
   void describe_structures(const MethodSet& set, const Checker& checker) {
