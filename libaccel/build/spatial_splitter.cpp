@@ -31,6 +31,12 @@ Side choose_side(const Box4& whole, const TriangleParts& parts, const SpatialSpl
   return right < both ? kRight : kBoth;
 }
 
+// How many slabs a set of n references deserves. The triangles of small sets span most of their box: every further slab cuts
+// all of them once more, and shows little that the fewer did not.
+int slabs_for(std::size_t n, const BuildOptions& options) {
+  return static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(std::min(options.bins, kMaxSpatialBins)), 4 + n / 4));
+}
+
 // Calls body(chunk, begin, end) for chunks of [begin, end), concurrently where there are several.
 template <class Body>
 void for_chunks(std::size_t begin, std::size_t end, const Body& body) {
@@ -74,7 +80,7 @@ bool SpatialSplitter::overlaps(const ObjectSplit& split) const {
 SpatialSplit SpatialSplitter::find_spatial_split(const ReferenceSet& set) const {
   // No child may exceed what its levels can hold; it may be as large as the set.
   if (set.spare() == 0 || must_balance(set.size() + 1, set.levels, options_.max_leaf_size)) return {};
-  const SlabMapping mapping(set.bounds.boxes, std::min(options_.bins, kMaxSpatialBins));
+  const SlabMapping mapping(set.bounds.boxes, slabs_for(set.size(), options_));
   SpatialBins bins;
   bins.fill(mesh_, references_, set.begin, set.end, mapping);
   return bins.best_split(set.bounds.boxes, mapping, set.size(), set.spare(), options_.traversal_cost,
