@@ -8,7 +8,8 @@ include(CMakePackageConfigHelpers)
 set(accel_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/libaccel")
 
 install(TARGETS accel_accel EXPORT libaccel-targets)
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/libaccel" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/libaccel" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
+  PATTERN "exec/cuda" EXCLUDE)
 install(EXPORT libaccel-targets NAMESPACE accel:: DESTINATION "${accel_package_dir}")
 
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/libaccel-config.cmake.in" "${PROJECT_BINARY_DIR}/libaccel-config.cmake"
@@ -16,9 +17,3 @@ configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/libaccel-config.cmake
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/libaccel-config-version.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/libaccel-config.cmake" "${PROJECT_BINARY_DIR}/libaccel-config-version.cmake"
   DESTINATION "${accel_package_dir}")
-
-foreach(tool accel-build accel-trace)
-  if(TARGET ${tool})
-    install(TARGETS ${tool})
-  endif()
-endforeach()
