@@ -62,12 +62,15 @@ std::string build_report_text(const BuildRunReport& r, const BuildSettings& sett
   const double triangles = static_cast<double>(std::max<std::uint64_t>(r.build.triangles, 1));
   text += "  " + counted(r.build.references, "reference") + " to " + counted(r.build.triangles, "triangle") +
           print(" (duplication %.1f %%)", 100 * (static_cast<double>(r.build.references) / triangles - 1));
-  if (r.facts.depth) text += ", " + std::to_string(*r.facts.depth) + " levels deep";
-  if (r.facts.sah_cost) text += ", SAH cost " + short_number(*r.facts.sah_cost);
-  if (r.facts.epo) text += ", end-point overlap " + short_number(*r.facts.epo);
+  std::vector<std::string> quality;
+  if (r.facts.depth) quality.push_back(std::to_string(*r.facts.depth) + " levels deep");
+  if (r.facts.sah_cost) quality.push_back("SAH cost " + short_number(*r.facts.sah_cost));
+  if (r.facts.epo) quality.push_back("end-point overlap " + short_number(*r.facts.epo));
   if (r.facts.leaf_size_mean)
-    text += ", " + short_number(*r.facts.leaf_size_mean) + " triangles a leaf (variance " + short_number(*r.facts.leaf_size_variance) + ")";
-  text += "\n" + left_out_text(r.build.skipped);
+    quality.push_back(short_number(*r.facts.leaf_size_mean) + " triangles a leaf (variance " +
+                      short_number(*r.facts.leaf_size_variance) + ")");
+  text += quality.empty() ? "\n" : "\n  " + join(quality, ", ") + "\n";
+  text += left_out_text(r.build.skipped);
   if (settings.stats) {
     text += histogram_text(r.facts.leaf_sizes, "LEAF SIZE", terminal);
     text += histogram_text(r.facts.leaf_depths, "LEAF DEPTH", terminal);

@@ -36,14 +36,14 @@ Vec3 background(Vec3 direction) {
 // A surface of a pale colour that its normal tints, in a soft light from the viewer and from above.
 Vec3 surface_color(Vec3 normal, Vec3 view, float openness) {
   const Vec3 tint{0.5f + 0.5f * normal.x, 0.5f + 0.5f * normal.y, 0.5f + 0.5f * normal.z};
-  const Vec3 base = mix(Vec3{0.80f, 0.79f, 0.77f}, tint, 0.55f);
+  const Vec3 base = mix(Vec3{0.84f, 0.82f, 0.78f}, tint, 0.60f);
   const float headlight = std::max(0.0f, -dot(normal, view));
   const float sky = 0.5f + 0.5f * normal.y;
   constexpr Vec3 kKeyDirection{0.45f, 0.77f, 0.45f};
   const float key = std::max(0.0f, dot(normal, kKeyDirection));
   const Vec3 light =
-      Vec3{1.0f, 0.97f, 0.92f} * (0.35f * headlight + 0.40f * key) + Vec3{0.88f, 0.94f, 1.0f} * (0.10f + 0.30f * sky);
-  return Vec3{base.x * light.x, base.y * light.y, base.z * light.z} * (0.15f + 0.85f * openness);
+      Vec3{1.0f, 0.95f, 0.88f} * (0.40f * headlight + 0.55f * key) + Vec3{0.86f, 0.94f, 1.0f} * (0.18f + 0.37f * sky);
+  return Vec3{base.x * light.x, base.y * light.y, base.z * light.z} * (0.25f + 0.75f * openness);
 }
 
 }  // namespace

@@ -51,26 +51,21 @@ std::string failures_section(const TraceReport& report, const Terminal& terminal
 }
 
 std::string scene_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
-  const MeshFacts& facts = report.facts;
-  std::string text = terminal.styled(report.scene, Style::strong) + "  " + counted(report.triangles, "triangle") + ", box " +
-                     vec_text(facts.bounds.lo) + " to " + vec_text(facts.bounds.hi) + ", loaded in " +
-                     seconds_text(report.load_seconds) + "\n";
-  text += print("  camera %s at %s vfov %s, %u x %u pixels, %s a pixel, seed %llu, %s\n",
-                (report.camera.name.empty() ? "" : "'" + report.camera.name + "'").c_str(), vec_text(report.camera.eye).c_str(),
-                short_number(report.camera.vfov_degrees).c_str(), settings.width, settings.height,
+  const CameraDescription& camera = report.camera;
+  std::string text = terminal.styled(report.scene, Style::strong) + "  " + counted(report.triangles, "triangle") +
+                     ", loaded in " + seconds_text(report.load_seconds) + "\n";
+  text += "  box " + vec_text(report.facts.bounds.lo) + " to " + vec_text(report.facts.bounds.hi) + "\n";
+  text += "  camera " + (camera.name.empty() ? "" : "'" + camera.name + "' ") + "at " + vec_text(camera.eye) + " towards " +
+          vec_text(camera.at) + ", vfov " + short_number(camera.vfov_degrees) + "\n";
+  text += print("  %u x %u pixels, %s a pixel, seed %llu, %s%s\n", settings.width, settings.height,
                 counted(settings.spp, "ray").c_str(), static_cast<unsigned long long>(settings.common.seed),
-                counted(static_cast<std::uint64_t>(report.threads), "thread").c_str());
+                counted(static_cast<std::uint64_t>(report.threads), "thread").c_str(),
+                report.device == "cpu" ? "" : (", methods on " + report.device).c_str());
   return text + "  " + report.checked_by + "\n";
 }
 
 std::string structures_section(const TraceReport& report, const Terminal& terminal) {
-  Table table({{"STRUCTURE", Align::left},
-               {"build"},
-               {"memory"},
-               {"triangles"},
-               {"references"},
-               {"SAH cost"},
-               {"depth"}});
+  Table table({{"STRUCTURE", Align::left}, {"build"}, {"memory"}, {"triangles"}, {"references"}, {"SAH cost"}, {"depth"}});
   for (const StructureRow& row : report.structures) {
     const bool ours = row.report.triangles > 0 || row.report.references > 0;
     table.add_row({row.name, row.build_seconds > 0 ? seconds_text(row.build_seconds) : "", bytes_text(row.bytes),
