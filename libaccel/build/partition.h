@@ -3,6 +3,7 @@
 // Deterministic: the order that results depends on the order before and on nothing else.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>

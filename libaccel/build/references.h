@@ -8,7 +8,7 @@
 
 #include "libaccel/build/build_context.h"
 #include "libaccel/core/buffer.h"
-#include "libaccel/core/float4.h"
+#include "libaccel/core/float4_simd.h"
 
 namespace accel {
 

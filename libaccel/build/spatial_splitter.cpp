@@ -53,7 +53,7 @@ void move_up(Reference* references, std::size_t begin, std::size_t end, std::siz
   std::copy(references + begin, references + begin + moved, references + end + distance - moved);
 }
 
-// Hands half of the set's spare room, by the sizes of its children, to the first child: the second one moves up.
+// Shares the set's spare room out in proportion to the children's sizes: the second one moves up to make room for the first.
 void share_spare(Reference* references, const ReferenceSet& set, ReferenceSet (&children)[2]) {
   ReferenceSet &left = children[0], &right = children[1];
   const std::size_t spare = set.limit - right.end;

@@ -13,7 +13,7 @@
 
 #include <limits>
 
-#include "libaccel/core/float4.h"
+#include "libaccel/core/float4_simd.h"
 #include "libaccel/core/float_bounds.h"
 #include "libaccel/geometry/triangle_mesh.h"
 

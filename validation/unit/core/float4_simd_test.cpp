@@ -1,5 +1,5 @@
 // Float4Sse and its portable twin, operation by operation, bit by bit.
-#include "libaccel/core/float4.h"
+#include "libaccel/core/float4_simd.h"
 
 #include <gtest/gtest.h>
 
