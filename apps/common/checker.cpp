@@ -31,7 +31,7 @@ Outcome<Checker> Checker::create(const Scene& scene, const TraceSettings& settin
                                  std::vector<Skip>& skipped) {
   Check check = settings.check;
   if (check == Check::embree && !EmbreeWitness::available()) {
-    const std::string why = "Embree is " + EmbreeWitness::version();
+    const std::string why = EmbreeWitness::version();
     if (settings.check_given) return Failure(ExitStatus::unavailable, "--check embree: " + why + "; use --check exact or none");
     skipped.push_back({"the comparison with Embree", why});
     check = Check::exact;

@@ -23,6 +23,14 @@ Outcome<RayMaker> RayMaker::create(const Scene& scene, const TraceSettings& sett
   return RayMaker(scene, settings, std::move(tracer), *std::move(camera));
 }
 
+std::uint64_t RayMaker::most_rays(const std::string& name) const {
+  const auto kind = parse_ray_kind(name);
+  if (name.ends_with(".npy") || !kind) return 0;
+  const std::uint64_t pixels = picture_size().pixels();
+  if (!info(*kind).is_image) return settings_->count > 0 ? settings_->count : pixels;
+  return pixels * settings_->spp * (*kind == RayKind::soft_shadow ? kSoftShadowSamples : 1);
+}
+
 Outcome<RayBatch> RayMaker::make(const std::string& name) {
   if (name.ends_with(".npy")) return read_batch(name);
   const auto kind = parse_ray_kind(name);

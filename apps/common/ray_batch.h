@@ -30,6 +30,9 @@ class RayMaker {
   // The scene and settings outlive the maker. `tracer` finds the hits that secondary rays start from.
   static Outcome<RayMaker> create(const Scene& scene, const TraceSettings& settings, AnyAccel tracer);
 
+  // The most rays that the batch for a name may have; 0 for files.
+  std::uint64_t most_rays(const std::string& name) const;
+
   // The batch for a name that --rays accepts.
   Outcome<RayBatch> make(const std::string& name);
 

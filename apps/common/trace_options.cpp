@@ -50,7 +50,7 @@ constexpr std::array<ScheduleName, 4> kSchedules = {{{"while-while", SimtSchedul
                                                      {"persistent", SimtSchedule::persistent_while_while}}};
 
 void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
-  app.add_option("SCENE", settings.scene, ".ply or .obj (or either .zst), .accel, or builtin:NAME[:size]");
+  app.add_option("SCENE", settings.scene, ".ply or .obj (or either .zst), .accel, or builtin:NAME[:size]")->type_name("");
   app.add_option("-m,--method", raw.methods, "methods (builder/traverser), best, or all")
       ->capture_default_str()
       ->type_name("NAME,...")
@@ -117,7 +117,7 @@ void add_outputs(CLI::App& app, TraceSettings& settings) {
   add("--heatmap", settings.heatmap, "steps of each ray of the first method and kind, with a legend");
   add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
   add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
-  add("--hits-out", settings.hits_out, "the hits of the first method and kind, as .npy");
+  add("--hits-out", settings.hits_out, "their hits by the first method, as .npy; any-hit kinds: t is 0 if occluded");
   add("--repro", settings.repro, "how names of files that reproduce wrong hits begin [accel-repro]");
 }
 
@@ -223,6 +223,15 @@ Finished check_consistency(const TraceSettings& settings) {
   return Done{};
 }
 
+// A structure file is built already: options of builders would do nothing.
+Finished refuse_build_options(const CLI::App& app, const TraceSettings& settings) {
+  if (!settings.scene.ends_with(".accel")) return Done{};
+  for (const CLI::Option* option : app.get_options())
+    if (option->get_group() == "Build" && option->count() > 0)
+      return usage(option->get_name() + ": '" + settings.scene + "' is built already; give this option to accel-build");
+  return Done{};
+}
+
 }  // namespace
 
 Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
@@ -244,6 +253,7 @@ Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   settings.check_given = app.count("--check") > 0;
   settings.build.threads = settings.common.threads;
   if (!settings.help.empty() || settings.list) return settings;
+  if (auto done = refuse_build_options(app, settings); !done) return done.failure();
   if (auto done = interpret(raw, settings); !done) return done.failure();
   if (auto done = check_consistency(settings); !done) return done.failure();
   return settings;

@@ -1,6 +1,7 @@
 #include "apps/common/trace_run.h"
 
 #include <tbb/info.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -28,7 +29,8 @@ class TraceRun {
   Outcome<TraceReport> run() {
     describe_scene();
     describe_skipped_triangles();
-    terminal_.detail("loaded " + scene_.name + ": " + counted(scene_.mesh().size(), "triangle") + " in " + seconds_text(scene_.load_seconds));
+    terminal_.detail("loaded " + scene_.name + ": " + counted(scene_.mesh().size(), "triangle") + " in " +
+                     seconds_text(scene_.load_seconds));
     auto set = prepare_methods(scene_, settings_, bar_, report_.skipped);
     if (!set) return set.failure();
     if (set->members.empty()) return Failure(ExitStatus::error, "no method fits '" + scene_.name + "'; --list shows all");
@@ -36,7 +38,8 @@ class TraceRun {
     if (!maker) return maker.failure();
     report_.camera = maker->camera();
     for (const StructureRow& row : set->structures)
-      terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) + ", " + seconds_text(row.build_seconds));
+      terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) + ", " +
+                       seconds_text(row.build_seconds));
     auto checker = Checker::create(scene_, settings_, bar_, report_.skipped);
     if (!checker) return checker.failure();
     describe_structures(*set, *checker);
@@ -59,7 +62,8 @@ class TraceRun {
   // Triangles that builders drop: never silently.
   void describe_skipped_triangles() {
     const MeshFacts& facts = scene_.facts;
-    if (facts.zero_area > 0) report_.skipped.push_back({counted(facts.zero_area, "triangle"), "they have no area, and no ray can hit them"});
+    if (facts.zero_area > 0)
+      report_.skipped.push_back({counted(facts.zero_area, "triangle"), "they have no area, and no ray can hit them"});
     if (facts.out_of_range > 0)
       report_.skipped.push_back({counted(facts.out_of_range, "triangle"), "a coordinate is not finite or too large"});
   }
@@ -88,8 +92,20 @@ class TraceRun {
     return Done{};
   }
 
+  // Refuses batches that cannot fit into this machine, before the machine does so by killing the program.
+  Finished check_memory(const std::string& kind, const RayMaker& maker) const {
+    const std::uint64_t rays = maker.most_rays(kind);
+    const std::uint64_t bytes = rays * (sizeof(Ray) + sizeof(std::uint32_t) + sizeof(Hit) * (engines_.size() + 2));
+    const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    if (bytes <= memory) return Done{};
+    return Failure(ExitStatus::error, counted(rays, "ray") + " of kind " + kind + " need " + bytes_text(bytes) +
+                                          ", and this machine has " + bytes_text(memory) +
+                                          "; make --width, --height, --spp or --count smaller");
+  }
+
   // Everything about one kind of rays: time all methods and the witness in turns, count, check.
   Finished trace_kind(const std::string& kind, MethodSet& set, RayMaker& maker, Checker& checker) {
+    if (auto fits = check_memory(kind, maker); !fits) return fits;
     bar_.begin("tracing " + kind);
     auto batch = maker.make(kind);
     if (!batch) return batch.failure();

@@ -68,6 +68,13 @@ test_trace_checks_every_kind() {
   is_silent err
 }
 
+# What users see first: no scene, all defaults but the size.
+test_demo() {
+  expect 0 trace --quiet; says out builtin:stadium
+  for kind in primary shadow diffuse edge; do says out "$kind"; done
+  says out "all right"; lacks out WRONG
+}
+
 test_check_exact_and_none() {
   expect 0 trace builtin:cornell --check exact; says out "all hits judged by exact arithmetic"; lacks out Embree
   expect 0 trace builtin:cornell --check none; says out "not checked"; lacks out Verdicts
@@ -162,6 +169,19 @@ test_accel_files() {
   expect 0 trace quad.accel --method all; says out "skipped: brute/loop"
   expect 0 build quad.obj -o list.accel --for brute/loop
   expect 0 trace list.accel; says out brute/loop
+}
+
+test_build_options_change_the_structure() {
+  needs_python
+  expect 0 build builtin:soup:5000 --structure bvh --max-leaf-size 1 --json -; json out 'len(j["benchmarks"][0]["leaf_sizes"]) == 2'
+  expect 0 build builtin:soup:5000 --structure sbvh --max-duplication 0 --json -
+  json out 'j["benchmarks"][0]["references"] == j["benchmarks"][0]["triangles"]'
+  expect 0 build builtin:soup:5000 -o soup.accel
+  usage_error trace soup.accel --bins 8; says err --bins
+}
+
+test_more_rays_than_memory() {
+  expect 1 "$ACCEL_TRACE" builtin:cornell --width 65536 --height 65536 --check none; one_line_error; says err --width
 }
 
 test_corrupt_accel_files() {
