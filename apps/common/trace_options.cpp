@@ -117,7 +117,7 @@ void add_outputs(CLI::App& app, TraceSettings& settings) {
   add("--heatmap", settings.heatmap, "steps of each ray of the first method and kind, with a legend");
   add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
   add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
-  add("--hits-out", settings.hits_out, "their hits by the first method, as .npy; any-hit kinds: t is 0 if occluded");
+  add("--hits-out", settings.hits_out, "their hits, by the first method; of any-hit kinds t = 0 if occluded");
   add("--repro", settings.repro, "how names of files that reproduce wrong hits begin [accel-repro]");
 }
 
