@@ -320,7 +320,7 @@ test_outputs_are_replaced_whole() {
 # A run that would take minutes is interrupted: it ends at once with 130 and leaves nothing behind.
 test_interrupt_is_130() {
   echo before >hits.npy
-  "$ACCEL_TRACE" builtin:soup:200000 --method brute/loop --rays random --count 100000 --hits-out hits.npy --check none >out 2>err &
+  "$ACCEL_TRACE" builtin:soup:50000 --method brute/loop --rays random --count 2000000 --hits-out hits.npy --check none >out 2>err &
   local pid=$!
   sleep 3
   kill -INT $pid
