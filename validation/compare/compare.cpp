@@ -24,6 +24,13 @@ double ulp(double t) {
   return t == 0 ? 0x1p-149 : std::ldexp(1.0, exponent - 23);
 }
 
+// The unit in which an error of t is measured: see HitErrors.
+double t_unit(const Ray& ray, double t) {
+  const double org = std::max({std::abs(ray.org.x), std::abs(ray.org.y), std::abs(ray.org.z)});
+  const double dir = std::max({std::abs(ray.dir.x), std::abs(ray.dir.y), std::abs(ray.dir.z)});
+  return std::max(ulp(t), ulp(org) / dir);
+}
+
 // `count` of the values, evenly spread.
 std::vector<std::size_t> thin_out(const std::vector<std::size_t>& values, std::size_t count) {
   std::vector<std::size_t> kept(count);
@@ -175,7 +182,7 @@ struct ClosestAnswers {
     result.ours = referee.judge(rays[i], ours[i], exact);
     if (has_witness()) result.witness = referee.judge(rays[i], witness[i], exact);
     if (result.ours != Verdict::right || !exact.valid()) return result;
-    result.t_ulp = std::abs(ours[i].t - exact.t) / ulp(exact.t);
+    result.t_ulp = std::abs(ours[i].t - exact.t) / t_unit(rays[i], exact.t);
     if (const auto point = referee.oracle().point(rays[i], ours[i].prim_id)) {
       result.barycentric = std::max(std::abs(ours[i].u - point->u), std::abs(ours[i].v - point->v));
     }
