@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#define XXH_INLINE_ALL  // the header-only form
+#define XXH_STATIC_LINKING_ONLY  // the size of XXH3_state_t
 #include <xxhash.h>
 
 #include "libaccel/io/atomic_file.h"
