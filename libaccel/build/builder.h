@@ -28,7 +28,7 @@ struct BuildOptions {
   float intersection_cost = 1.0f;
 
   int bins = 32;          // per axis, for object and spatial splits
-  int max_leaf_size = 8;  // triangles; exceeded only where triangles cannot be told apart and max_depth forbids more nodes
+  int max_leaf_size = 8;  // triangles; exceeded only where max_depth forbids more nodes
   int max_depth = 120;    // inner nodes on a path; kept always, by balanced splits where the heuristic would go deeper
 
   // Spatial splits (Stich et al. 2009, section 4): tried where the children of the best object split overlap by more than this

@@ -134,6 +134,7 @@ bool SpatialSplitter::apply_spatial_split(const ReferenceSet& set, const Spatial
   const std::size_t end = set.end + duplicates.back();
   const Partition sides =
       partition(references_, set.begin, end, [](const Reference& r, const Box4&) { return r.side == kRight; });
+  // One side is empty: then nothing was cut, for both parts of a cut reference would be there, and the set is as it was.
   if (sides.middle == set.begin || sides.middle == end) return false;
   children[0] = {set.begin, sides.middle, sides.middle, sides.side[0]};
   children[1] = {sides.middle, end, set.limit, sides.side[1]};

@@ -13,9 +13,10 @@ inline constexpr std::uint32_t kNoHit = 0xffffffffu;
 
 // The nearest intersection of a ray. prim_id is the caller's triangle number, or kNoHit.
 //
-// The point is org + t * dir, and (1 - u - v) * v0 + u * v1 + v * v2. Where several triangles are met at the same t, the one with
-// the lowest prim_id is named: hits do not depend on the structure, the builder or the number of threads. A miss has
-// t = +infinity and u = v = 0.
+// The point is org + t * dir, and (1 - u - v) * v0 + u * v1 + v * v2. Where several triangles are met at the same t, the one
+// with the lowest prim_id is named, so that hits do not depend on the order of tests, nor ever on the number of threads. They
+// depend on the structure only where rounding moves a triangle's hit out of the box that holds the triangle: where the ray
+// passes it by a hair, or t cancels. A miss has t = +infinity and u = v = 0.
 struct alignas(16) Hit {
   float t = std::numeric_limits<float>::infinity();
   float u = 0.0f, v = 0.0f;

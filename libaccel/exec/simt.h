@@ -14,9 +14,10 @@
 //   persistent    while-while, but lanes without work fetch rays from a queue: section 3.3. Deviation: lanes fetch one by one,
 //                 once few enough are left at work, as in Aila, Laine and Karras 2012; in [AL09] a warp fetches 32 rays a time
 //
-// Hits are those of exec/cpu.h, bit for bit, in every schedule. A speculating lane visits nodes that a hit in its postponed
-// leaf would have culled, which costs steps but no hit: the nearest hit does not depend on the order of tests, and any-hit
-// meets the same leaves in the same order. The profile is the same for any number of threads: warps never share anything.
+// Hits are those of exec/cpu.h, bit for bit. A speculating lane visits nodes that a hit in its postponed leaf would have
+// culled, which costs steps but no hit: the nearest hit does not depend on the order of tests, and any-hit meets the same
+// leaves in the same order. One exception: a hit that rounding has moved out of its box (core/hit.h) may be found by
+// speculation alone. The profile is the same for any number of threads: warps never share anything.
 #pragma once
 
 #include <tbb/combinable.h>

@@ -1,9 +1,9 @@
 // Ray-triangle intersection by Moeller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection".
 //
 // Fast and common, but not watertight: the edge functions of two triangles that share an edge are rounded differently, so rays
-// aimed at the edge can pass between them (leaks) or be found by neither. Offered for comparison; Watertight is the default.
+// aimed at the edge can pass between them (leaks) or hit both. Offered for comparison; Watertight is the default.
 //
-// Deviations: no epsilon on the determinant; comparisons are written so that NaN misses; bounds of u, v and t are inclusive.
+// Deviations: no epsilon on the determinant; comparisons are written so that NaN misses; bounds of u and v are inclusive.
 #pragma once
 
 #include "libaccel/core/hit.h"
@@ -20,7 +20,7 @@ struct MoellerTrumbore {
 
   ACCEL_HD static RayData prepare(const Ray&) { return {}; }
 
-  // Whether the ray meets the triangle at a t >= t_min. If so, t, u and v of `hit` are set.
+  // Whether the line of the ray meets the triangle. If so, t, u and v of `hit` are set; t may lie anywhere.
   ACCEL_HD static bool intersect(const PackedTriangle& triangle, const Ray& ray, const RayData&, Hit& hit) {
     const auto [v0, v1, v2] = triangle.vertices();
     const Vec3 e1 = v1 - v0, e2 = v2 - v0;

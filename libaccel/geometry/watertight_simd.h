@@ -16,8 +16,8 @@
 
 namespace accel {
 
-// The edge functions of a projected triangle, rounded once each, hence with the exact signs: products of floats are exact in
-// double.
+// The edge functions of a projected triangle with the exact signs: products of floats are exact in double, their difference is
+// rounded there, and again to single precision. What is below 2^-150 becomes zero.
 ACCEL_HD void refine_edge_functions(const float x[3], const float y[3], float uvw[3]) {
   for (int i = 0; i < 3; ++i) {
     const int next = i == 2 ? 0 : i + 1, last = i == 0 ? 2 : i - 1;

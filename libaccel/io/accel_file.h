@@ -2,9 +2,9 @@
 //
 // Layout, all of it in the byte order of the writer, which the header tells:
 //
-//   header, 64 bytes       magic, version, byte-order mark, file size, number of sections, checksums of the table and the
-//   header table, 64 bytes each   name (23 characters at most), offset, size in bytes, element size, checksum sections in table
-//   order, each at the next multiple of 64 bytes, padded with zeros to the next
+//   header    64 bytes: magic, version, byte-order mark, file size, number of sections, checksums of the table and the header
+//   table     64 bytes each: name (23 characters at most), offset, size in bytes, element size, checksum
+//   sections  in the table's order, each at the next multiple of kBufferAlignment bytes, padded with zeros to the next
 //
 // Checksums are XXH3-64. A section's covers its padding too, so that no byte of a file is unprotected. Opening reads header and
 // table only; a section is verified when it is first taken and its pages are not touched before. Arrays borrow the mapping.

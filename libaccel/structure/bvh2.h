@@ -1,11 +1,13 @@
 // The binary bounding-volume hierarchy in 64-byte nodes that hold the boxes of both children.
 //
-// Aila and Laine 2009, Understanding the Efficiency of Ray Traversal on GPUs; the padding and its uses are [BK16] Fig. 4.
-// Deviation: the planes of an axis are interleaved by child, so that one 8-byte load brings the near planes of both children.
+// Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs"; the padding and its uses are those of Binder
+// and Keller 2016, "Efficient Stackless Hierarchy Traversal on GPUs with Backtracking in Constant Time", Fig. 4. Deviation: the
+// planes of an axis are interleaved by child, so that one 8-byte load brings the near planes of both children.
 //
-// Invariants, which builders keep and validate() proves for files: every inner node but the root is the child of exactly one
-// node; every leaf of the stream is referenced exactly once; a child's box contains the parts of its triangles that the child
-// stands for (a spatial split may give a triangle to several leaves); depth() is the largest number of inner nodes on a path.
+// Invariants: every inner node but the root is the child of exactly one node; every leaf of the stream is referenced exactly
+// once; depth is the largest number of inner nodes on a path; a child's box contains the parts of its triangles that the child
+// stands for (a spatial split may give a triangle to several leaves). Builders keep them; validate() proves all but the last
+// for files, which a traversal needs to find its hits but not to be safe.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +28,7 @@ ACCEL_HD NodeRef leaf_ref(std::uint32_t quad) { return quad | kLeafBit; }
 struct alignas(64) Bvh2Node {
   float planes[3][4];     // per axis: lower planes of children 0 and 1, upper planes of children 0 and 1
   NodeRef child[2];
-  std::uint32_t link[2];  // nothing (zero), parent and sibling, or uncle and grand-uncle: see Bvh2::links
+  std::uint32_t link[2];  // nothing (zero), parent and sibling, or uncle and grand-uncle
 
   void set_bounds(int c, const Aabb& box) {
     for (int a = 0; a < 3; ++a) planes[a][c] = box.lo[a], planes[a][2 + c] = box.hi[a];

@@ -2,7 +2,8 @@
 //
 // A leaf is a run of packed triangles (three quads of 16 bytes each) and one terminator quad. It is named by the index of its
 // first quad. Aila and Laine 2009 mark the end of a leaf instead of counting it, which saves the count on its way through the
-// traversal; [BK16] Fig. 5 uses the words of the terminator quad for references to the uncle, grand-uncle and great-grand-uncle.
+// traversal; Binder and Keller 2016, Fig. 5, use the words of the terminator quad for references to the uncle, grand-uncle and
+// great-grand-uncle.
 // The word that is a prim_id in a triangle's first quad is kEndOfLeaf in a terminator.
 #pragma once
 

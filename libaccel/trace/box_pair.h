@@ -4,7 +4,8 @@
 // plane, (plane - org) * inv_dir, has a relative error of at most gamma(3). The triangle test accepts hits on triangles whose
 // vertices it has rounded, by at most gamma(5) of their distance from the origin along each axis (watertight.h), so a hit may
 // lie that much outside of its box. Both errors, of the near and of the far plane, are covered by scaling the far distance by
-// kFarScale = 1 + 2 gamma(8); the interval's end is scaled with it, so that a tie with the best hit is never culled.
+// kFarScale = 1 + 2 gamma(8); the interval's end is scaled with it, so that a tie with the best hit is not culled either. Not
+// covered is the error of t where the depths of the vertices cancel (watertight.h): such a hit may be nearer than its box.
 //
 // Zero direction components make inv_dir infinite: planes on one side give +inf or -inf, and a plane through the origin gives
 // NaN, which the comparisons drop: the slab then does not restrict the ray, as it should. Directions too small for a finite

@@ -3,7 +3,8 @@
 // A traverser is a small state machine over one ray: a class template
 //
 //   template <class Test, Query kQuery> struct MyTraverser {
-//     using View = ...;     // the non-owning view of its structure, passed by value
+//     static constexpr const char* kName;  // the second half of a method's name: "stack" in "bvh/stack"
+//     using View = ...;     // the non-owning view of its structure, passed by value: Structure::View
 //     struct State {...};   // trivially copyable, of constant size: copying it pauses the traversal
 //     struct Stack {...};   // optional, likewise: arrays with run-time indices; State has a member Stack* stack (see below)
 //     static constexpr std::uint32_t kMaxDepth = ...;  // optional: the deepest tree that the state has room for
@@ -17,6 +18,9 @@
 // backtrack, one step towards the next postponed node. begin() prepares the state and the hit. Test is a triangle test of
 // geometry/, kQuery says whether the first hit will do. Who drives the machine, and in which order over many rays, is none of its
 // business: see exec/.
+//
+// Observers. A step tells its observer what it loads and stores (one load of Memory::node for each inner node: that is how they
+// are counted), its box tests, its triangle test and its step back, as NullObserver lists them.
 //
 // Stacks. Compilers for devices (LLVM's) keep an object in registers only if nothing in it is addressed at run time, so a stack
 // inside the state would drag the ray's whole state into memory. A traverser with a stack declares it as a type of its own; the

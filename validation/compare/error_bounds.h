@@ -24,8 +24,7 @@
 // Edges. The moved edge can touch the ray only if |U| <= E_U and the box of its two vertices, each widened by its eps, contains
 // the origin: then the ray is *near* the edge. The second condition bounds the place along the edge, and its ends. A triangle
 // is *possible* for the ray, that is some rounding may accept it, only if no two edge functions have opposite signs beyond
-// doubt
-// (|U| > E_U), and its widened box contains the origin. The triangle is surely hit if it is possible and near no edge.
+// doubt (|U| > E_U), and its widened box contains the origin. The triangle is surely hit if it is possible and near no edge.
 //
 // Distance. t^ = ((b0 z0 + b1 z1) + b2 z2) / d_z with b_i = U_i^ / det^. The U_i^ of an accepted triangle have one sign, so
 // l_i = U_i^ / sum U^ are weights of a convex combination, and rounding (Z 1, det 2, quotient 1, product 1, sums 2, division 1)

@@ -6,14 +6,12 @@
 //   right      a miss where nothing is hit; or a primitive that is hit at exactly the nearest t*, and t within its bound.
 //   neighbour  another primitive, which the ray passes within its bound, and whose bound of t meets that of the exact hit: the
 //              other side of a shared edge, or a surface too near to another to be told apart.
-//   edge       a hit in front of t*, or where nothing is hit, on a primitive that the ray passes within its bound; or a miss,
-//   or
-//              a hit behind t*, where a watertight test may miss: see below.
+//   edge       a hit in front of t*, or where nothing is hit, on a primitive that the ray passes within its bound; or a
+//              miss, or a hit behind t*, where a watertight test may miss: see below.
 //   miss       no hit where a watertight test must find one.
 //   far        a hit behind a hit that a watertight test must find; or one whose t is beyond t* and outside its bound.
-//   false      a hit on a primitive that the ray does not pass within its bound; or one whose t is not beyond t* and outside
-//   its
-//              bound; or one outside the ray's interval.
+//   false      a hit on a primitive that the ray does not pass within its bound; or one whose t is not beyond t* and
+//              outside its bound; or one outside the ray's interval.
 //
 // miss, far and false are failures.
 //

@@ -1,8 +1,8 @@
 // The repro bundle: everything that is needed to look at a failure again, in three files beside each other.
 //
-//   STEM.txt       for people: the command line, and for each case its ray, the answers and verdicts, the exact hit, and every
-//   triangle
-//                  involved with what rounding may make of it (error_bounds.h). Numbers in hexadecimal, exact, and in decimal.
+//   STEM.txt       for people: the command line, and for each case its ray, the answers and verdicts, the exact hit, and
+//                  every triangle involved with what rounding may make of it (error_bounds.h). Numbers in hexadecimal, exact,
+//                  and in decimal.
 //   STEM-rays.npy  the rays, for `accel-trace SCENE --rays STEM-rays.npy`
 //   STEM.obj       the triangles involved, with enough digits to read the same floats back; to be traced with brute/loop
 //

@@ -64,9 +64,8 @@ class MethodTest : public testing::TestWithParam<MethodCase> {
   // The answers of two ways to the same hits are the same, bit for bit. Where not:
   //
   // - With the watertight test, exact arithmetic must excuse the answer. There is one reason for such rays: a triangle test
-  // rounds,
-  //   and may see a triangle that the ray passes by a hair, or whose distance cancels, outside of the box that holds it
-  //   exactly.
+  //   rounds, and may see a triangle that the ray passes by a hair, or whose distance cancels, outside of the box that holds
+  //   it exactly.
   // - Moeller and Trumbore's test has no bound on its errors, so its hits may lie far outside of their boxes.
   //
   // Either way such rays are few: one in thirty of those that hurt most, one in five with Moeller and Trumbore's test.

@@ -14,9 +14,8 @@
 // How rays meet threads is a policy (Work):
 //   GridWork        one thread a ray; a warp ends with its slowest lane
 //   PersistentWork  as many warps as the device can hold, each for as long as there are rays ([AL09] section 3.3). Lanes
-//   without
-//                   work fetch rays once fewer than kFetchBelow lanes are at work (Aila, Laine and Karras 2012, dynamic fetch):
-//                   one atomic a warp, votes tell each lane its ray
+//                   without work fetch rays once fewer than kFetchBelow lanes are at work (Aila, Laine and Karras 2012,
+//                   dynamic fetch): one atomic a warp, votes tell each lane its ray
 //
 // Rays, hits and structure are read and written with 16-byte accesses. The traversal stack is the only local memory,
 // interleaved by lane in hardware. exec/simt.h models this kernel: its schedules while_while and persistent_while_while are
