@@ -1,6 +1,7 @@
 #include "libaccel/io/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -68,11 +69,15 @@ Result<AtomicPath> AtomicPath::create(const fs::path& named) {
   const fs::file_status status = fs::status(target, ignored);
   if (fs::is_directory(status)) return Error{named.string() + ": is a folder"};
   if (fs::exists(status) && !fs::is_regular_file(status)) return AtomicPath(target, target);
+  // Renaming would replace a file that its owner has protected.
+  if (fs::exists(status) && ::access(target.c_str(), W_OK) != 0) return system_error(named, "cannot be replaced", errno);
 
   constexpr int kAttempts = 16;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     fs::path temporary = temporary_name(target);
     if (const int descriptor = create_new(temporary); descriptor >= 0) {
+      // Some file systems have no modes: then there is nothing to keep.
+      if (fs::exists(status)) (void)::fchmod(descriptor, static_cast<mode_t>(status.permissions()));
       ::close(descriptor);
       return AtomicPath(target, std::move(temporary));
     }

@@ -1,8 +1,9 @@
 // Output that appears whole or not at all: it is written under another name in the same folder, and renamed when it is
 // complete.
 //
-// An output that is destroyed before commit() leaves nothing behind, and what was at the target before stays. Through a
-// symbolic link the file that it points to is replaced. A target that exists and is not a regular file (/dev/null, a pipe) is
+// An output that is destroyed before commit() leaves nothing behind, and what was at the target before stays. A file that is
+// replaced keeps its mode; one that must not be written is not replaced. Through a symbolic link the file that it points to is
+// replaced. A target that exists and is not a regular file (/dev/null, a pipe) is
 // written directly, since renaming over it would destroy it.
 #pragma once
 

@@ -1,6 +1,7 @@
 #include "libaccel/io/atomic_file.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "validation/unit/io/io_test_support.h"
 
@@ -85,6 +86,26 @@ TEST_F(AtomicFileTest, PathKeepsTheExtensionAndTheUsersMask) {
   struct stat status;
   ASSERT_EQ(::stat(target.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0666 & ~mask);
+}
+
+TEST_F(AtomicFileTest, KeepsTheModeOfWhatItReplaces) {
+  const fs::path target = file("private.txt", "before");
+  ASSERT_EQ(::chmod(target.c_str(), 0600), 0);
+  ASSERT_TRUE(write_file(target, "after"));
+  struct stat status;
+  ASSERT_EQ(::stat(target.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0600u);
+}
+
+TEST_F(AtomicFileTest, ReadOnlyFilesAreNotReplaced) {
+  const fs::path target = file("protected.txt", "before");
+  ASSERT_EQ(::chmod(target.c_str(), 0444), 0);
+  if (::access(target.c_str(), W_OK) == 0) GTEST_SKIP() << "this user may write read-only files";
+  const Status status = write_file(target, "after");
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.message().find("protected.txt"), std::string::npos) << status.message();
+  EXPECT_EQ(contents(target), "before");
+  EXPECT_EQ(files_in_folder(), 1u);
 }
 
 }  // namespace
