@@ -120,14 +120,14 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
     app.add_option(flag, value, what)->check(std::move(valid))->capture_default_str()->type_name(type)->group("Build");
   };
   add("--max-leaf-size", options.max_leaf_size, "most triangles in a leaf", whole_number(1, 1024), "N");
-  add("--max-depth", options.max_depth, "most inner nodes on a path", whole_number(1, 1024), "N");
-  add("--bins", options.bins, "bins of the surface-area heuristic, per axis", whole_number(2, 1024), "N");
+  add("--max-depth", options.max_depth, "most inner nodes on a path", whole_number(1, kMaxBuildDepth), "N");
+  add("--bins", options.bins, "bins of the surface-area heuristic, per axis", whole_number(2, kMaxBins), "N");
   add("--traversal-cost", options.traversal_cost, "cost of a step through a node", real_number(1e-3, 1e6), "X");
   add("--intersection-cost", options.intersection_cost, "cost of a triangle test", real_number(1e-3, 1e6), "X");
   add("--spatial-overlap", options.spatial_overlap, "least overlap for a spatial split, as a share of the root",
       real_number(0, 1), "X");
   add("--max-duplication", options.max_duplication, "extra references that spatial splits may make, per triangle",
-      real_number(0, 100), "X");
+      real_number(0, kMaxDuplication), "X");
 }
 
 Outcome<std::string> parse_arguments(CLI::App& app, int argc, char** argv, CommonSettings& settings) {

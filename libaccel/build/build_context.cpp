@@ -1,7 +1,5 @@
 #include "libaccel/build/build_context.h"
 
-#include "libaccel/build/sah_bins.h"
-
 namespace accel {
 
 void ProgressMeter::advance(std::uint64_t amount) {
@@ -31,7 +29,7 @@ Status validate(const BuildOptions& options) {
                  std::to_string(kMaxBuildDepth) + "]"};
   if (!(options.spatial_overlap >= 0.0f)) return Error{"build option spatial_overlap must be 0 or more"};
   if (!(options.max_duplication >= 0.0f && options.max_duplication <= kMaxDuplication))
-    return Error{"build option max_duplication must lie in [0, " + std::to_string(kMaxDuplication) + "]"};
+    return Error{"build option max_duplication must lie in [0, " + std::to_string(static_cast<int>(kMaxDuplication)) + "]"};
   return Done{};
 }
 

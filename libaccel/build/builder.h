@@ -20,6 +20,11 @@
 
 namespace accel {
 
+// The largest that options may be.
+inline constexpr int kMaxBins = 64;
+inline constexpr int kMaxBuildDepth = 1024;  // inner nodes on a path: builders recurse
+inline constexpr float kMaxDuplication = 15.0f;
+
 struct BuildOptions {
   int threads = 0;  // 0: as many as the machine has
 

@@ -14,10 +14,6 @@
 
 namespace accel {
 
-inline constexpr int kMaxBins = 64;
-inline constexpr int kMaxBuildDepth = 1024;  // nodes on a path: builders recurse
-inline constexpr float kMaxDuplication = 15.0f;
-
 // The scale that makes the largest extent of a box 1; finite.
 Float4 unit_scale(const Box4& box);
 
