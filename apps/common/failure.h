@@ -19,7 +19,7 @@ struct Failure {
 
   // A library error: an interruption, or a failed run.
   Failure(const Error& error)
-      : status(error.message.find(kInterrupted) == std::string::npos ? ExitStatus::error : ExitStatus::interrupted),
+      : status(error.message == kInterrupted ? ExitStatus::interrupted : ExitStatus::error),
         message(error.message) {}
 };
 

@@ -124,6 +124,8 @@ test_bad_numbers_name_the_flag() {
   usage_error trace --threads -2; says err --threads
   usage_error trace --repeat 0; says err --repeat
   usage_error trace --max-leaf-size 0; says err --max-leaf-size
+  usage_error trace --bins 65; says err --bins
+  usage_error trace --max-duplication 16; says err --max-duplication
   usage_error trace --traversal-cost nan; says err --traversal-cost
   usage_error trace --traversal-cost inf; says err --traversal-cost
   usage_error "$ACCEL_TRACE" --width 65536 --height 65536 --spp 1000; says err "--spp"
@@ -146,6 +148,7 @@ test_cameras() {
 
 test_input_errors() {
   input_error trace nothing.ply; says err nothing.ply
+  input_error trace interrupted.ply; says err interrupted.ply
   input_error trace .; 
   echo 'v 0 0 0' >scene.stl; input_error trace scene.stl; says err scene.stl
   printf 'v 0 0 0\nf 1 2 9\n' >bad.obj; input_error trace bad.obj; says err bad.obj
