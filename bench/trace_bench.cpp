@@ -4,6 +4,7 @@
 // as renderers ask it of the kind.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "bench/bench_main.h"
@@ -33,7 +34,11 @@ Result<std::shared_ptr<Subject>> prepare(const std::string& spec) {
   const TriangleMesh& mesh = subject->scene.data.mesh;
   for (const MethodInfo& method : methods()) {
     if (method.builder == "brute" && mesh.size() > kMostTrianglesForBruteForce) continue;
-    Result<AnyAccel> accel = AnyAccel::build(mesh, method.name);
+    // Methods of one builder share the structure.
+    const auto sibling = std::find_if(subject->methods.begin(), subject->methods.end(),
+                                      [&](const AnyAccel& other) { return other.method().builder == method.builder; });
+    Result<AnyAccel> accel =
+        sibling != subject->methods.end() ? sibling->with_method(method.name) : AnyAccel::build(mesh, method.name);
     if (!accel) return accel.error();
     subject->methods.push_back(std::move(accel).value());
   }
