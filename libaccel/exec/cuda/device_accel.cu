@@ -10,6 +10,7 @@
 #include "libaccel/exec/cuda/device_memory.cuh"
 #include "libaccel/exec/cuda/trace_kernel.cuh"
 #include "libaccel/exec/cuda/upload.cuh"
+#include "libaccel/registry/any_accel.h"
 
 namespace accel {
 
@@ -71,24 +72,19 @@ Status launch_trace(const Launch& launch) {
 // The kernels of one method, and how its structure comes to the device.
 struct DeviceMethod {
   std::string name;
-  const char* structure;
-  bool (*upload)(const AnyStructure&, cuda::Uploader&, std::any& view);    // false: a structure of another kind
+  std::any (*upload)(const AnyStructure&, cuda::Uploader&);                // the view of a structure of the method's kind
   std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
 };
 
 template <class Method>
-bool upload_structure(const AnyStructure& any, cuda::Uploader& uploader, std::any& view) {
-  const auto* structure = std::get_if<typename Method::Structure>(&any);
-  if (structure == nullptr) return false;
-  view = upload(*structure, uploader);
-  return true;
+std::any upload_structure(const AnyStructure& any, cuda::Uploader& uploader) {
+  return upload(std::get<typename Method::Structure>(any), uploader);
 }
 
 template <class Method>
 DeviceMethod make_device_method() {
   DeviceMethod result;
   result.name = Method::name();
-  result.structure = Method::Structure::kName;
   result.upload = upload_structure<Method>;
   std::size_t i = 0;
   TriangleTests::for_each([&](auto tag) {
@@ -193,13 +189,10 @@ struct DeviceAccel::State {
 Result<DeviceAccel> DeviceAccel::upload(const AnyStructure& structure, std::string_view method) {
   const auto found = find_device_method(method);
   if (!found) return found.error();
+  if (const auto bound = AnyAccel::bind(structure, method); !bound) return bound.error();
   if (const auto device = cuda_device_info(); !device) return device.error();
   cuda::Uploader uploader;
-  std::any view;
-  if (!(*found)->upload(structure, uploader, view)) {
-    return Error{"method " + (*found)->name + " traces structures of kind '" + (*found)->structure + "', and this is a '" +
-                 std::visit([](const auto& s) { return std::string(s.kName); }, structure) + "'"};
-  }
+  std::any view = (*found)->upload(structure, uploader);
   if (const Status s = uploader.status(); !s) return s.error();
   const std::size_t bytes = uploader.bytes();
   return DeviceAccel(std::make_shared<const State>(State{*found, std::move(view), uploader.take_copies(), bytes}));

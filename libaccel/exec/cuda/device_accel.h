@@ -81,8 +81,7 @@ class DeviceBatch {
 
 class DeviceAccel {
  public:
-  // Copies a structure to the device, for a method that traces structures of its kind. The traverser must have room for its
-  // depth, as AnyAccel::bind() checks.
+  // Copies a structure to the device. Fails as AnyAccel::bind() does if the method cannot trace it: wrong kind, or too deep.
   static Result<DeviceAccel> upload(const AnyStructure& structure, std::string_view method);
 
   // Answers all rays of the batch. Every launch is waited for.
