@@ -134,7 +134,7 @@ Outcome<std::vector<std::string>> parse_methods(const std::string& text) {
   for (const std::string& name : split(text, ',')) {
     if (name == "all") return std::vector<std::string>{"all"};
     const Result<std::string> found = find_method(name);
-    if (!found) return usage("--method: " + found.message() + "; --list shows all");
+    if (!found) return usage("--method: " + found.message());
     if (name == "best")
       result.push_back(name);
     else if (std::find(result.begin(), result.end(), *found) == result.end())

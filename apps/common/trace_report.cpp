@@ -54,7 +54,8 @@ std::string scene_section(const TraceReport& report, const TraceSettings& settin
   const CameraDescription& camera = report.camera;
   std::string text = terminal.styled(report.scene, Style::strong) + "  " + counted(report.triangles, "triangle") +
                      ", loaded in " + seconds_text(report.load_seconds) + "\n";
-  text += "  box " + vec_text(report.facts.bounds.lo) + " to " + vec_text(report.facts.bounds.hi) + "\n";
+  const Aabb& box = report.facts.bounds;
+  text += box.empty() ? "  nothing that a ray can hit\n" : "  box " + vec_text(box.lo) + " to " + vec_text(box.hi) + "\n";
   text += "  camera " + (camera.name.empty() ? "" : "'" + camera.name + "' ") + "at " + vec_text(camera.eye) + " towards " +
           vec_text(camera.at) + ", vfov " + short_number(camera.vfov_degrees) + "\n";
   text += print("  %u x %u pixels, %s a pixel, seed %llu, %s%s\n", settings.width, settings.height,
