@@ -1,7 +1,7 @@
 // The one list of methods, and of triangle tests.
 //
-// To add a traverser: write one header in trace/ and one line here. The command lines, the conformance and differential tests, the
-// benchmarks, the SIMT model and the CUDA kernels all iterate over these lists.
+// To add a traverser: write one header in trace/, include it and add one line here. The command lines, the conformance and
+// differential tests, the benchmarks, the SIMT model and the CUDA kernels all iterate over these lists.
 #pragma once
 
 #include <string>
