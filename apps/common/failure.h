@@ -19,8 +19,7 @@ struct Failure {
 
   // A library error: an interruption, or a failed run.
   Failure(const Error& error)
-      : status(error.message == kInterrupted ? ExitStatus::interrupted : ExitStatus::error),
-        message(error.message) {}
+      : status(error.message == kInterrupted ? ExitStatus::interrupted : ExitStatus::error), message(error.message) {}
 };
 
 // A value, or the reason to stop. As Result, with an exit status.

@@ -26,7 +26,7 @@ ACCEL_HD std::uint32_t leaf_quad(NodeRef ref) { return ref & ~kLeafBit; }
 ACCEL_HD NodeRef leaf_ref(std::uint32_t quad) { return quad | kLeafBit; }
 
 struct alignas(64) Bvh2Node {
-  float planes[3][4];     // per axis: lower planes of children 0 and 1, upper planes of children 0 and 1
+  float planes[3][4];  // per axis: lower planes of children 0 and 1, upper planes of children 0 and 1
   NodeRef child[2];
   std::uint32_t link[2];  // nothing (zero), parent and sibling, or uncle and grand-uncle
 
@@ -46,8 +46,8 @@ struct Bvh2View {
   NodeRef root = kNoNode;  // kNoNode: an empty scene
 };
 
-// The most inner nodes on a path from the root that traversers with a stack accept: one postponed child per level. Builders keep
-// to it by default.
+// The most inner nodes on a path from the root that traversers with a stack accept: one postponed child per level. Builders
+// keep to it by default.
 inline constexpr int kBvh2StackSize = 128;
 
 // The owning structure.
@@ -58,16 +58,16 @@ struct Bvh2 {
   Buffer<Bvh2Node> nodes;
   Buffer<LeafQuad> leaves;
   NodeRef root = kNoNode;
-  Aabb bounds;               // of the whole tree
-  std::uint32_t depth = 0;   // inner nodes on the longest path from the root
+  Aabb bounds;                   // of the whole tree
+  std::uint32_t depth = 0;       // inner nodes on the longest path from the root
   std::uint64_t references = 0;  // triangles in the leaves, with repetitions
 
   std::size_t size_bytes() const { return nodes.size_bytes() + leaves.size_bytes(); }
   Bvh2View view() const { return {nodes.data(), leaves.data(), root}; }
 };
 
-// Proves every invariant that traversal relies on, whatever the bytes are: references in range, no node or leaf reached twice, none
-// unreachable, every leaf terminated, ordered planes without NaN, prim_id < triangle_count, depth and counts as stated.
+// Proves every invariant that traversal relies on, whatever the bytes are: references in range, no node or leaf reached twice,
+// none unreachable, every leaf terminated, ordered planes without NaN, prim_id < triangle_count, depth and counts as stated.
 Status validate(const Bvh2& bvh, std::uint64_t triangle_count);
 
 }  // namespace accel
