@@ -12,16 +12,21 @@
 // 2^-24 times as large as its distance from the ray would be hit wherever it lies, since all three of its edge functions may
 // vanish. So a candidate with a zero is tested again in double, where the products are exact.
 //
+// The distance t is that of the ray to the plane of the stored vertices, computed in double and rounded once: the sheared
+// vertices are rounded relative to the origin's distance from them, which would leave t with an error of many units in the last
+// place wherever the triangle is larger than its distance. So t is right to about one unit, ties of coplanar triangles are
+// exact, and no hit is nearer than the box that holds it. Only accepted triangles pay for it, one or two a ray.
+//
 // Deviations from the paper. The double-precision test runs only for triangles that the single-precision one accepts, which
 // rejects none that are hit: a nonzero edge function has the right sign. No back-face culling, hence no swap of axes for
-// negative directions. The barycentric coordinates are divided out before t is formed, so that t needs no triple product of
-// lengths: scenes of features between 2^-60 and 2^60 neither underflow nor overflow, and scaling scene and ray by 2^k scales t
-// exactly.
+// negative directions. t is in double, as above; no triple product of lengths is ever formed in single precision, so scenes of
+// features between 2^-60 and 2^60 neither underflow nor overflow, and scaling scene and ray by 2^k scales t exactly.
 //
 // Errors (u = 2^-24, all bounds relative to |v - org| per axis): a sheared coordinate has an error of at most
 // u |v_x - o_x| + gamma(4) |S_x (v_z - o_z)| + u |A_x|; validation/compare/error_bounds.h builds the judge's bounds on this.
 #pragma once
 
+#include "libaccel/core/float_bounds.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/geometry/packed_triangle.h"
@@ -40,6 +45,9 @@ struct Watertight {
     float dir_z;                // dir[kz]
   };
 
+  // A triangle as the ray sees it: edge functions, and depths along the axis kz relative to the origin.
+  using Projection = WatertightProjection;
+
   ACCEL_HD static RayData prepare(const Ray& ray) {
     const int kz = largest_axis(ray.dir);
     const int kx = kz == 2 ? 0 : kz + 1;
@@ -49,42 +57,76 @@ struct Watertight {
   }
 
   // Whether the line of the ray meets the triangle. If so, t, u and v of `hit` are set; t may lie anywhere.
-  ACCEL_HD static bool intersect(const PackedTriangle& triangle, const Ray&, const RayData& ray, Hit& hit) {
+  ACCEL_HD static bool intersect(const PackedTriangle& triangle, const Ray& ray, const RayData& data, Hit& hit) {
+    Projection projection;
 #if ACCEL_SSE
-    return watertight_sse(triangle, ray, hit);
+    return project_sse(triangle, data, projection) && locate(triangle, ray, data, projection, hit);
 #else
-    return intersect_scalar(triangle, ray, hit);
+    return project(triangle, data, projection) && locate(triangle, ray, data, projection, hit);
 #endif
   }
 
-  // The portable version: bit-identical to the SIMD ones, which tests compare with it.
-  ACCEL_HD static bool intersect_scalar(const PackedTriangle& triangle, const RayData& ray, Hit& hit) {
+  // The portable version: bit-identical to the SIMD one, which tests compare with it.
+  ACCEL_HD static bool intersect_scalar(const PackedTriangle& triangle, const Ray& ray, const RayData& data, Hit& hit) {
+    Projection projection;
+    return project(triangle, data, projection) && locate(triangle, ray, data, projection, hit);
+  }
+
+ private:
+  // Projects the triangle along the ray. Returns whether it contains the ray.
+  ACCEL_HD static bool project(const PackedTriangle& triangle, const RayData& ray, Projection& p) {
     const PackedTriangle::Quad qx = triangle.coordinate(ray.kx);
     const PackedTriangle::Quad qy = triangle.coordinate(ray.ky);
     const PackedTriangle::Quad qz = triangle.coordinate(ray.kz);
 
     // Vertices relative to the origin, sheared into the ray's frame.
-    float x[3], y[3], z[3];
+    float x[3], y[3];
     for (int i = 0; i < 3; ++i) {
-      z[i] = qz.vertex[i] - ray.org_z;
-      x[i] = (qx.vertex[i] - ray.org_x) - ray.shear_x * z[i];
-      y[i] = (qy.vertex[i] - ray.org_y) - ray.shear_y * z[i];
+      p.z[i] = qz.vertex[i] - ray.org_z;
+      x[i] = (qx.vertex[i] - ray.org_x) - ray.shear_x * p.z[i];
+      y[i] = (qy.vertex[i] - ray.org_y) - ray.shear_y * p.z[i];
     }
 
     // Edge functions, each opposite the vertex of its number.
-    float uvw[3] = {x[2] * y[1] - y[2] * x[1], x[0] * y[2] - y[0] * x[2], x[1] * y[0] - y[1] * x[0]};
-    if (!all_on_one_side(uvw)) return false;
-    if (uvw[0] == 0 || uvw[1] == 0 || uvw[2] == 0) {
-      refine_edge_functions(x, y, uvw);
-      if (!all_on_one_side(uvw)) return false;
-    }
-    const float det = (uvw[0] + uvw[1]) + uvw[2];
-    if (!(det != 0)) return false;
+    p.edge[0] = x[2] * y[1] - y[2] * x[1];
+    p.edge[1] = x[0] * y[2] - y[0] * x[2];
+    p.edge[2] = x[1] * y[0] - y[1] * x[0];
+    if (!all_on_one_side(p.edge)) return false;
+    if (p.edge[0] != 0 && p.edge[1] != 0 && p.edge[2] != 0) return true;
+    refine_edge_functions(x, y, p.edge);
+    return all_on_one_side(p.edge);
+  }
 
-    const float b0 = uvw[0] / det, b1 = uvw[1] / det, b2 = uvw[2] / det;
-    hit.t = ((b0 * z[0] + b1 * z[1]) + b2 * z[2]) / ray.dir_z;
-    hit.u = b1, hit.v = b2;
+  // Where the ray meets a triangle whose projection contains it; false where they are parallel.
+  ACCEL_HD static bool locate(const PackedTriangle& triangle, const Ray& ray, const RayData& data, const Projection& p,
+                              Hit& hit) {
+    const float det = (p.edge[0] + p.edge[1]) + p.edge[2];
+    if (!(det != 0)) return false;
+    const float b0 = p.edge[0] / det;
+    hit.u = p.edge[1] / det, hit.v = p.edge[2] / det;
+
+    // The plane's distance, unless it is beyond the triangle's vertices, which are rounded once: where the triangle is seen
+    // edge-on, or by a hair beyond a vertex, rounding decides about its projection, and the plane may be met anywhere.
+    const double t = plane_distance(triangle, ray), depth = t * data.dir_z;
+    const float nearest = min_of(min_of(p.z[0], p.z[1]), p.z[2]), farthest = max_of(max_of(p.z[0], p.z[1]), p.z[2]);
+    const bool within = depth >= nearest - kUnitRoundoff * 2 * magnitude(nearest) &&
+                        depth <= farthest + kUnitRoundoff * 2 * magnitude(farthest);
+    hit.t = within ? static_cast<float>(t) : ((b0 * p.z[0] + hit.u * p.z[1]) + hit.v * p.z[2]) / data.dir_z;
     return true;
+  }
+
+  ACCEL_HD static float magnitude(float x) { return x < 0 ? -x : x; }
+
+  // n . (v0 - org) / n . dir for the normal n; NaN or infinite where the ray is parallel to the plane.
+  ACCEL_HD static double plane_distance(const PackedTriangle& triangle, const Ray& ray) {
+    double e1[3], e2[3], s[3];
+    for (int a = 0; a < 3; ++a) {
+      const PackedTriangle::Quad q = triangle.coordinate(a);
+      const double v0 = q.vertex[0];
+      e1[a] = q.vertex[1] - v0, e2[a] = q.vertex[2] - v0, s[a] = v0 - ray.org[a];
+    }
+    const double nx = e1[1] * e2[2] - e1[2] * e2[1], ny = e1[2] * e2[0] - e1[0] * e2[2], nz = e1[0] * e2[1] - e1[1] * e2[0];
+    return (nx * s[0] + ny * s[1] + nz * s[2]) / (nx * ray.dir.x + ny * ray.dir.y + nz * ray.dir.z);
   }
 };
 

@@ -16,13 +16,23 @@
 
 namespace accel {
 
-// The edge functions of a projected triangle with the exact signs: products of floats are exact in double, their difference is
-// rounded there, and again to single precision. What is below 2^-150 becomes zero.
-ACCEL_HD void refine_edge_functions(const float x[3], const float y[3], float uvw[3]) {
+// Of a triangle projected along a ray: edge functions, each opposite the vertex of its number, and depths of the vertices. The
+// fourth element is room for a SIMD store.
+struct alignas(16) WatertightProjection {
+  float edge[4], z[4];
+};
+
+// The edge functions of a projected triangle over their largest magnitude: with the exact signs, because products of floats are
+// exact in double and their difference is rounded there, and safe from underflow, because only their ratios count.
+ACCEL_HD void refine_edge_functions(const float x[3], const float y[3], float edge[3]) {
+  double exact[3], largest = 0;
   for (int i = 0; i < 3; ++i) {
     const int next = i == 2 ? 0 : i + 1, last = i == 0 ? 2 : i - 1;
-    uvw[i] = static_cast<float>(static_cast<double>(x[last]) * y[next] - static_cast<double>(y[last]) * x[next]);
+    exact[i] = static_cast<double>(x[last]) * y[next] - static_cast<double>(y[last]) * x[next];
+    const double size = exact[i] < 0 ? -exact[i] : exact[i];
+    largest = size > largest ? size : largest;
   }
+  for (int i = 0; i < 3; ++i) edge[i] = largest > 0 ? static_cast<float>(exact[i] / largest) : 0.0f;
 }
 
 // Whether no two of the three have different signs.
@@ -32,7 +42,7 @@ ACCEL_HD bool all_on_one_side(const float uvw[3]) {
 
 #if ACCEL_SSE
 template <class RayData>
-inline __attribute__((always_inline)) bool watertight_sse(const PackedTriangle& triangle, const RayData& ray, Hit& hit) {
+ACCEL_HD bool project_sse(const PackedTriangle& triangle, const RayData& ray, WatertightProjection& projection) {
   // Lane 3 holds prim_id bits, which as a float may be denormal and slow to multiply: it is cleared.
   const __m128 xyz_lanes = _mm_castsi128_ps(_mm_set_epi32(0, -1, -1, -1));
   const auto load = [&](int axis) { return _mm_and_ps(_mm_load_ps(triangle.axis[axis].vertex), xyz_lanes); };
@@ -44,33 +54,21 @@ inline __attribute__((always_inline)) bool watertight_sse(const PackedTriangle& 
   // Lane i of `next` is vertex i + 1, of `last` vertex i + 2 (mod 3); the edge function of lane i is opposite vertex i.
   const auto next = [](__m128 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); };
   const auto last = [](__m128 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(0, 1, 0, 2)); };
-  __m128 uvw = _mm_sub_ps(_mm_mul_ps(last(x), next(y)), _mm_mul_ps(last(y), next(x)));
+  const __m128 edge = _mm_sub_ps(_mm_mul_ps(last(x), next(y)), _mm_mul_ps(last(y), next(x)));
 
   const __m128 zero = _mm_setzero_ps();
-  const int not_negative = _mm_movemask_ps(_mm_cmpge_ps(uvw, zero)) & 7;
-  const int not_positive = _mm_movemask_ps(_mm_cmple_ps(uvw, zero)) & 7;
+  const int not_negative = _mm_movemask_ps(_mm_cmpge_ps(edge, zero)) & 7;
+  const int not_positive = _mm_movemask_ps(_mm_cmple_ps(edge, zero)) & 7;
   if (not_negative != 7 && not_positive != 7) return false;
-  if ((not_negative & not_positive) != 0) {  // an edge function is zero
-    alignas(16) float xs[4], ys[4], edges[4] = {};
-    _mm_store_ps(xs, x), _mm_store_ps(ys, y);
-    refine_edge_functions(xs, ys, edges);
-    if (!all_on_one_side(edges)) return false;
-    uvw = _mm_load_ps(edges);
-  }
+  _mm_store_ps(projection.edge, edge), _mm_store_ps(projection.z, z);
+  if ((not_negative & not_positive) == 0) return true;
 
-  const __m128 v = _mm_shuffle_ps(uvw, uvw, _MM_SHUFFLE(1, 1, 1, 1)), w = _mm_movehl_ps(uvw, uvw);
-  const float det = _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(uvw, v), w));
-  if (!(det != 0)) return false;
-
-  const __m128 b = _mm_div_ps(uvw, _mm_set1_ps(det));
-  const __m128 bz = _mm_mul_ps(b, z);
-  const __m128 bz1 = _mm_shuffle_ps(bz, bz, _MM_SHUFFLE(1, 1, 1, 1)), bz2 = _mm_movehl_ps(bz, bz);
-  hit.t = _mm_cvtss_f32(_mm_add_ss(_mm_add_ss(bz, bz1), bz2)) / ray.dir_z;
-  hit.u = _mm_cvtss_f32(_mm_shuffle_ps(b, b, _MM_SHUFFLE(1, 1, 1, 1)));
-  hit.v = _mm_cvtss_f32(_mm_movehl_ps(b, b));
-  return true;
+  // An edge function is zero.
+  alignas(16) float xs[4], ys[4];
+  _mm_store_ps(xs, x), _mm_store_ps(ys, y);
+  refine_edge_functions(xs, ys, projection.edge);
+  return all_on_one_side(projection.edge);
 }
-
 #endif
 
 }  // namespace accel

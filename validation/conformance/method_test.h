@@ -61,16 +61,15 @@ class MethodTest : public testing::TestWithParam<MethodCase> {
 
   static bool is_watertight() { return GetParam().test == "watertight"; }
 
-  // The answers of two ways to the same hits are the same, bit for bit. Where not:
+  // The answers of two ways to the same hits are the same, bit for bit, but for one ray in a thousand of those that hurt most,
+  // and exact arithmetic must excuse the answer: a triangle test rounds, and may see a triangle that the ray passes by a hair
+  // outside of the box that holds it exactly.
   //
-  // - With the watertight test, exact arithmetic must excuse the answer. There is one reason for such rays: a triangle test
-  //   rounds, and may see a triangle that the ray passes by a hair, or whose distance cancels, outside of the box that holds
-  //   it exactly.
-  // - Moeller and Trumbore's test has no bound on its errors, so its hits may lie far outside of their boxes.
-  //
-  // Either way such rays are few: one in thirty of those that hurt most, one in five with Moeller and Trumbore's test.
+  // Moeller and Trumbore's test has no bound on its errors, so its hits may lie far outside of their boxes: one ray in a
+  // hundred may differ, and slivers, where hits of this test are mostly errors, are not compared.
   static void expect_same(const std::string& what, const Judge& judge, const std::vector<Ray>& rays,
                           const std::vector<Hit>& ours, const std::vector<Hit>& expected) {
+    if (!is_watertight() && what == "slivers") return;
     std::size_t different = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (ours[i] == expected[i]) continue;
@@ -80,7 +79,7 @@ class MethodTest : public testing::TestWithParam<MethodCase> {
       EXPECT_FALSE(is_failure(verdict)) << what << ", ray " << i << ": " << ours[i] << ", expected " << expected[i]
                                         << ", which is " << to_string(verdict);
     }
-    EXPECT_LE(different, 1 + rays.size() / (is_watertight() ? 30 : 5)) << what;
+    EXPECT_LE(different, 1 + rays.size() / (is_watertight() ? 1000 : 100)) << what;
   }
 };
 

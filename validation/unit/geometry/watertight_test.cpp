@@ -94,7 +94,7 @@ TEST(Watertight, SimdHasTheBitsOfTheScalarVersion) {
     const PackedTriangle packed = pack(triangle, static_cast<std::uint32_t>(rng.next_u64()));
     const Watertight::RayData data = Watertight::prepare(ray);
     Hit scalar, simd;
-    const bool scalar_hit = Watertight::intersect_scalar(packed, data, scalar);
+    const bool scalar_hit = Watertight::intersect_scalar(packed, ray, data, scalar);
     ASSERT_EQ(Watertight::intersect(packed, ray, data, simd), scalar_hit) << i;
     if (!scalar_hit) continue;
     ++hit_count;
