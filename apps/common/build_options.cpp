@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apps/common/command_line.h"
+#include "apps/common/output.h"
 #include "apps/common/text.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/registry/any_accel.h"
@@ -95,6 +96,7 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   auto builder = choose_builder(structure, method);
   if (!builder) return builder.failure();
   settings.builder = *std::move(builder);
+  if (auto writable = check_writable({settings.output, settings.json}); !writable) return writable.failure();
   return settings;
 }
 

@@ -9,4 +9,12 @@ Finished write_text(const std::string& path, std::string_view text) {
   return Done{};
 }
 
+Finished check_writable(std::initializer_list<std::string_view> paths) {
+  for (const std::string_view path : paths) {
+    if (path.empty() || path == "-") continue;
+    if (const auto probe = AtomicPath::create(path); !probe) return probe.error();
+  }
+  return Done{};
+}
+
 }  // namespace accel::apps

@@ -5,6 +5,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/image.h"
+#include "apps/common/output.h"
 #include "apps/common/text.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/rays/ray_kind.h"
@@ -220,7 +221,7 @@ Finished check_consistency(const TraceSettings& settings) {
   if (!settings.diff.empty() && settings.check == Check::none) return usage("--diff: needs a witness; leave out --check none");
   for (const auto& [flag, path] : {std::pair{"--rays-out", &settings.rays_out}, {"--hits-out", &settings.hits_out}})
     if (!path->empty() && !is_npy(*path)) return usage(std::string(flag) + ": '" + *path + "' should end in .npy");
-  return Done{};
+  return check_writable({settings.json, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
 }
 
 // A structure file is built already: options of builders would do nothing.

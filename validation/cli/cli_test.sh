@@ -298,10 +298,11 @@ test_cuda_without_device() {
 }
 
 test_unwritable_outputs() {
+  # Found before any work is done: before the scene, which is not there either, is looked for.
   for flag in --json --rays-out --hits-out; do
-    expect 1 trace builtin:cornell $flag no/such/folder/file.npy; one_line_error; says err no/such/folder
+    expect 1 trace nothing.ply $flag no/such/folder/file.npy; one_line_error; says err no/such/folder
   done
-  expect 1 build builtin:cornell -o no/such/folder/file.accel; one_line_error; says err no/such/folder
+  expect 1 build nothing.ply -o no/such/folder/file.accel; one_line_error; says err no/such/folder
   if has images; then expect 1 trace builtin:cornell --image no/such/folder/view.png; one_line_error; fi
 }
 
