@@ -1,7 +1,7 @@
 // Rays per second of every method, beside Embree's on the same rays in the same run.
 //
-// A group is a scene and a ray kind; its rows are the methods, and Embree robust through single-ray calls. Closest or any hit,
-// as renderers ask it of the kind.
+// A group is a scene and a ray kind; its rows are the methods, and Embree through single-ray calls in its fast mode, which ratios
+// refer to, and in its robust one. Closest or any hit, as renderers ask it of the kind.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ constexpr std::size_t kMostTrianglesForBruteForce = 2000;
 struct Subject {
   Scene scene;
   std::vector<AnyAccel> methods;
-  std::unique_ptr<validation::EmbreeWitness> embree;
+  std::vector<std::unique_ptr<validation::EmbreeWitness>> embree;  // fast, robust; or none
 };
 
 Result<std::shared_ptr<Subject>> prepare(const std::string& spec) {
@@ -43,9 +43,11 @@ Result<std::shared_ptr<Subject>> prepare(const std::string& spec) {
     subject->methods.push_back(std::move(accel).value());
   }
   if (!validation::EmbreeWitness::available()) return subject;
-  Result<validation::EmbreeWitness> embree = validation::EmbreeWitness::build(mesh);
-  if (!embree) return embree.error();
-  subject->embree = std::make_unique<validation::EmbreeWitness>(std::move(embree).value());
+  for (const validation::EmbreeMode mode : {validation::EmbreeMode::fast, validation::EmbreeMode::robust}) {
+    Result<validation::EmbreeWitness> embree = validation::EmbreeWitness::build(mesh, {.mode = mode});
+    if (!embree) return embree.error();
+    subject->embree.push_back(std::make_unique<validation::EmbreeWitness>(std::move(embree).value()));
+  }
   return subject;
 }
 
@@ -83,10 +85,14 @@ void add_group(const std::string& group, const std::shared_ptr<Subject>& subject
         [=](Rays rays, std::span<std::uint8_t> out) {
           benchmark::DoNotOptimize(accel.occluded(rays, out, {.threads = threads}).ok());
         });
-  if (!subject->embree) return;
-  add_row(
-      group + "|" + kEmbreeRow, batch, [=](Rays rays, std::span<Hit> hits) { subject->embree->closest(rays, hits, threads); },
-      [=](Rays rays, std::span<std::uint8_t> out) { subject->embree->occluded(rays, out, threads); });
+  for (const auto& owned : subject->embree) {
+    const validation::EmbreeWitness* embree = owned.get();
+    const bool fast = embree->options().mode == validation::EmbreeMode::fast;
+    add_row(
+        group + "|" + (fast ? kEmbreeRow : "embree-robust"), batch,
+        [=](Rays rays, std::span<Hit> hits) { embree->closest(rays, hits, threads); },
+        [=](Rays rays, std::span<std::uint8_t> out) { embree->occluded(rays, out, threads); });
+  }
 }
 
 Status register_benchmarks(const Options& options) {
