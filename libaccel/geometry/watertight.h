@@ -14,8 +14,10 @@
 //
 // The distance t is that of the ray to the plane of the stored vertices, computed in double and rounded once: the sheared
 // vertices are rounded relative to the origin's distance from them, which would leave t with an error of many units in the last
-// place wherever the triangle is larger than its distance. So t is right to about one unit, ties of coplanar triangles are
-// exact, and no hit is nearer than the box that holds it. Only accepted triangles pay for it, one or two a ray.
+// place wherever the triangle is larger than its distance. So t is the float next to the exact distance, hits lie where the box
+// of their triangle is, and coplanar triangles tie. Exceptions: planes met at less than some 2^-25 of the distance of their
+// vertices, and triangles seen edge-on, for which rounding decides whether they are hit and t lies between their vertices. Only
+// accepted triangles pay for this, one or two a ray.
 //
 // Deviations from the paper. The double-precision test runs only for triangles that the single-precision one accepts, which
 // rejects none that are hit: a nonzero edge function has the right sign. No back-face culling, hence no swap of axes for

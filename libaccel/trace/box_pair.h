@@ -5,7 +5,8 @@
 // vertices it has rounded, by at most gamma(5) of their distance from the origin along each axis (watertight.h), so a hit may
 // lie that much outside of its box. Both errors, of the near and of the far plane, are covered by scaling the far distance by
 // kFarScale = 1 + 2 gamma(8); the interval's end is scaled with it, so that a tie with the best hit is not culled either. Not
-// covered is the error of t where the depths of the vertices cancel (watertight.h): such a hit may be nearer than its box.
+// covered are triangles seen edge-on, whose t may lie anywhere between their vertices, and tests without a bound
+// (moeller_trumbore.h): such a hit may be nearer than its box.
 //
 // Zero direction components make inv_dir infinite: planes on one side give +inf or -inf, and a plane through the origin gives
 // NaN, which the comparisons drop: the slab then does not restrict the ray, as it should. Directions too small for a finite

@@ -9,6 +9,7 @@
 
 #include "libaccel/core/float_bounds.h"
 #include "libaccel/trace/traverser.h"
+#include "validation/oracle/exact_predicates.h"
 #include "validation/stress/hostile_floats.h"
 
 namespace accel {
@@ -122,6 +123,29 @@ TEST(Watertight, DegenerateTrianglesMissOrLieOnTheirLine) {
     EXPECT_TRUE(std::isfinite(hit.t));
     EXPECT_NEAR(hit.t, 1.0f, 1e-3f);
   }
+}
+
+// The float next to the exact distance, also where the triangle is a thousand times larger than its distance, which defeats
+// distances that are interpolated from rounded vertices.
+TEST(Watertight, DistancesAreCorrectlyRounded) {
+  int hit_count = 0;
+  for (std::uint64_t i = 0; i < 20'000; ++i) {
+    CounterRng rng(9, i);
+    const float size = std::ldexp(1.0f, static_cast<int>(i % 11));
+    const Triangle triangle{validation::random_in_cube(rng, size), validation::random_in_cube(rng, size),
+                            validation::random_in_cube(rng, size)};
+    const Vec3 target = triangle.v0 * 0.3f + triangle.v1 * 0.3f + triangle.v2 * 0.4f;
+    const Vec3 dir = validation::random_in_cube(rng, 1);
+    const Ray ray{.org = target - dir, .dir = dir};
+    const Vec3 normal = cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
+    const float cosine = dot(normal, dir) / std::sqrt(dot(normal, normal) * dot(dir, dir));
+    Hit hit;
+    if (!(std::fabs(cosine) > 0.01f) || !Watertight::intersect(pack(triangle, 0), ray, Watertight::prepare(ray), hit)) continue;
+    ++hit_count;
+    const double exact = validation::to_double(validation::exact_crossing(ray, triangle).t());
+    EXPECT_LE(std::fabs(hit.t - exact), 0.5001 * (next_up(hit.t) - hit.t)) << i << ": " << hit.t << ", exact " << exact;
+  }
+  EXPECT_GT(hit_count, 10'000);
 }
 
 // Triangles that are tiny beside their distance from the ray: all products of their coordinates round to nearly the same
