@@ -145,6 +145,9 @@ std::string verdict_section(const TraceReport& report, const Terminal& terminal)
          table.text();
 }
 
+// Hundredths are enough, and keep the columns narrow.
+std::string ulp_text(double ulp) { return ulp < 100 ? print("%.2f", ulp) : short_number(ulp); }
+
 std::string adjudication_section(const TraceReport& report, const Terminal& terminal) {
   Table table({{"RAYS", Align::left},
                {"method", Align::left},
@@ -152,7 +155,7 @@ std::string adjudication_section(const TraceReport& report, const Terminal& term
                {"only ours"},
                {"only Embree"},
                {"both wrong"},
-               {"t ulp mean"},
+               {"ulp mean"},
                {"p99"},
                {"max"}});
   for (const TraceRow& row : report.rows) {
@@ -162,8 +165,8 @@ std::string adjudication_section(const TraceReport& report, const Terminal& term
     const bool two = row.check->has_witness, measured = e.samples > 0;
     table.add_row({row.rays_kind, row.method, two ? with_commas(a.both_right) : "", two ? with_commas(a.only_ours_right) : "",
                    two ? with_commas(a.only_witness_right) : "", two ? with_commas(a.both_wrong) : "",
-                   measured ? short_number(e.t_ulp_mean) : "", measured ? short_number(e.t_ulp_p99) : "",
-                   measured ? short_number(e.t_ulp_max) : ""});
+                   measured ? ulp_text(e.t_ulp_mean) : "", measured ? ulp_text(e.t_ulp_p99) : "",
+                   measured ? ulp_text(e.t_ulp_max) : ""});
   }
   return section(terminal, "Adjudication of judged rays, and error of t against exact arithmetic") + table.text();
 }

@@ -77,7 +77,7 @@ TEST(Measure, ErrorsOfEnginesAreReported) {
 
 TEST(Measure, InterruptionHasItsOwnStatus) {
   EXPECT_EQ(Failure(Error{"interrupted"}).status, ExitStatus::interrupted);
-  EXPECT_EQ(Failure(Error{"load_mesh: interrupted"}).status, ExitStatus::interrupted);
+  EXPECT_EQ(Failure(Error{"interrupted.ply does not exist"}).status, ExitStatus::error);
 }
 
 TEST(Measure, NoRaysNeedNoTime) {
