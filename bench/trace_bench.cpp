@@ -90,8 +90,8 @@ void add_group(const std::string& group, const std::shared_ptr<Subject>& subject
     const bool fast = embree->options().mode == validation::EmbreeMode::fast;
     add_row(
         group + "|" + (fast ? kEmbreeRow : "embree-robust"), batch,
-        [=](Rays rays, std::span<Hit> hits) { embree->closest(rays, hits, threads); },
-        [=](Rays rays, std::span<std::uint8_t> out) { embree->occluded(rays, out, threads); });
+        [subject, embree, threads](Rays rays, std::span<Hit> hits) { embree->closest(rays, hits, threads); },
+        [subject, embree, threads](Rays rays, std::span<std::uint8_t> out) { embree->occluded(rays, out, threads); });
   }
 }
 
