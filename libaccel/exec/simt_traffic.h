@@ -87,6 +87,8 @@ class LaneObserver {
 
   void load(Memory memory, const void* address, std::uint32_t bytes) { record(memory, false, address, bytes); }
   void store(Memory memory, const void* address, std::uint32_t bytes) { record(memory, true, address, bytes); }
+  void node_step() {}
+  void leaf_visit(std::uint32_t) {}
   void box_tests(std::uint32_t) {}
   void triangle_test() {}
   void backtrack() {}

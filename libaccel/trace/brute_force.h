@@ -18,10 +18,11 @@ struct BruteForce {
   };
 
   template <class Observer>
-  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer&) {
+  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
     begin_hit(ray, hit);
     if (view.leaves == nullptr || is_end_of_leaf(view.leaves, 0) || !is_traceable(ray)) return Phase::done;
     state.test = Test::prepare(ray), state.t_min = first_t(ray), state.quad = 0;
+    observer.leaf_visit(0);
     return Phase::intersect;
   }
   template <class Observer>

@@ -1,7 +1,8 @@
-// Ordered traversal of a Bvh2 with a stack: Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs", section 3.
+// Ordered traversal of a Bvh2 with a stack: Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs",
+// section 3.
 //
-// Both children's boxes are tested at their parent; the nearer child comes next, the farther one is postponed on the stack together
-// with its entry distance, so that it can be dropped unread when a nearer hit has been found meanwhile.
+// Both children's boxes are tested at their parent; the nearer child comes next, the farther one is postponed on the stack
+// together with its entry distance, so that it can be dropped unread when a nearer hit has been found meanwhile.
 #pragma once
 
 #include "libaccel/trace/box_pair.h"
@@ -39,33 +40,35 @@ struct Bvh2Stack {
   ACCEL_HD static std::uint32_t& leaf(State& state) { return state.quad; }
 
   template <class Observer>
-  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer&) {
+  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
     begin_hit(ray, hit);
     if (view.root == kNoNode || !is_traceable(ray)) return Phase::done;
     state.boxes = BoxPairTest::prepare(ray, first_t(ray));
     state.test = Test::prepare(ray);
     state.postponed = 0;
-    return enter(state, view.root);
+    return enter(state, view.root, observer);
   }
 
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
     const Bvh2Node& node = view.nodes[state.node];
+    observer.node_step();
     observer.load(Memory::node, &node, sizeof node);
     observer.box_tests(2);
     const BoxPairHit boxes = state.boxes.intersect(node, hit.t);
-    // Branches, not selects: a predicted child is fetched before its distances are known, which doubles the speed of coherent rays.
+    // Branches, not selects: a predicted child is fetched before its distances are known, which doubles the speed of coherent
+    // rays.
     if (boxes.mask == 0) return Phase::backtrack;
-    if (boxes.mask == 1) return enter(state, node.child[0]);
-    if (boxes.mask == 2) return enter(state, node.child[1]);
+    if (boxes.mask == 1) return enter(state, node.child[0], observer);
+    if (boxes.mask == 2) return enter(state, node.child[1], observer);
     Postponed& entry = state.stack->entries[state.postponed++];
     observer.store(Memory::stack, &entry, sizeof entry);
     if (boxes.t_near1 < boxes.t_near0) {
       entry = {node.child[0], boxes.t_near0};
-      return enter(state, node.child[1]);
+      return enter(state, node.child[1], observer);
     }
     entry = {node.child[1], boxes.t_near1};
-    return enter(state, node.child[0]);
+    return enter(state, node.child[0], observer);
   }
 
   template <class Observer>
@@ -79,14 +82,17 @@ struct Bvh2Stack {
     observer.backtrack();
     const Postponed& entry = state.stack->entries[--state.postponed];
     observer.load(Memory::stack, &entry, sizeof entry);
-    return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node) : Phase::backtrack;
+    return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node, observer) : Phase::backtrack;
   }
 
  private:
-  ACCEL_HD static Phase enter(State& state, NodeRef node) {
+  template <class Observer>
+  ACCEL_HD static Phase enter(State& state, NodeRef node, Observer& observer) {
     state.node = node;
     state.quad = leaf_quad(node);
-    return is_leaf(node) ? Phase::intersect : Phase::descend;
+    if (!is_leaf(node)) return Phase::descend;
+    observer.leaf_visit(state.quad);
+    return Phase::intersect;
   }
 };
 

@@ -6,8 +6,8 @@
 
 namespace accel {
 
-// Tests the triangle at `quad` and moves `quad` to the next. Returns done when an any-hit query has found its hit, `after` when the
-// leaf has ended, else intersect.
+// Tests the triangle at `quad` and moves `quad` to the next. Returns done when an any-hit query has found its hit, `after` when
+// the leaf has ended, else intersect.
 template <class Test, Query kQuery, class Observer>
 ACCEL_HD Phase intersect_next(const LeafQuad* leaves, const Ray& ray, const typename Test::RayData& data, float t_min,
                               std::uint32_t& quad, Hit& hit, Phase after, Observer& observer) {

@@ -14,27 +14,27 @@
 //     template <class Observer> ACCEL_HD static Phase backtrack(const View&, const Ray&, State&, Hit&, Observer&);
 //   };
 //
-// Each function does one step and returns the phase that comes next: descend, one inner node; intersect, one primitive of a leaf;
-// backtrack, one step towards the next postponed node. begin() prepares the state and the hit. Test is a triangle test of
-// geometry/, kQuery says whether the first hit will do. Who drives the machine, and in which order over many rays, is none of its
-// business: see exec/.
+// Each function does one step and returns the phase that comes next: descend, one inner node; intersect, one primitive of a
+// leaf; backtrack, one step towards the next postponed node. begin() prepares the state and the hit. Test is a triangle test of
+// geometry/, kQuery says whether the first hit will do. Who drives the machine, and in which order over many rays, is none of
+// its business: see exec/.
 //
-// Observers. A step tells its observer what it loads and stores (one load of Memory::node for each inner node: that is how they
-// are counted), its box tests, its triangle test and its step back, as NullObserver lists them.
+// Observers. A step tells its observer what it loads and stores, and what it does: as NullObserver lists them.
 //
 // Stacks. Compilers for devices (LLVM's) keep an object in registers only if nothing in it is addressed at run time, so a stack
 // inside the state would drag the ray's whole state into memory. A traverser with a stack declares it as a type of its own; the
 // driver provides one (StackOf), lets the state point to it before begin() (attach_stack), and copies both to pause a ray.
 //
-// Speculation. A driver may postpone the test of a leaf and let the ray go on in the meantime (Aila and Laine 2009, section 3.2), if
-// what comes after a leaf does not depend on the hits in it, and if the traverser says how (SpeculativeTraverser):
+// Speculation. A driver may postpone the test of a leaf and let the ray go on in the meantime (Aila and Laine 2009,
+// section 3.2), if what comes after a leaf does not depend on the hits in it, and if the traverser says how
+// (SpeculativeTraverser):
 //
 //     ACCEL_HD static std::uint32_t& leaf(State&);  // names the triangle that intersect() tests next; nothing else that
 //                                                   // intersect() reads changes while the ray goes on
 //     static constexpr Phase kAfterLeaf = ...;      // what intersect() returns when the leaf has ended
 //
-// During traversal hit.t is the end of the interval that is still of interest; begin_hit() and accept_hit() keep the rules that all
-// traversers share, so that all of them name the same triangle. finish_hit() turns the state into an answer.
+// During traversal hit.t is the end of the interval that is still of interest; begin_hit() and accept_hit() keep the rules that
+// all traversers share, so that all of them name the same triangle. finish_hit() turns the state into an answer.
 #pragma once
 
 #include <concepts>
@@ -49,7 +49,9 @@ namespace accel {
 enum class Phase : std::uint8_t { descend, intersect, backtrack, done };
 
 template <class Traverser>
-concept StackTraverser = requires(typename Traverser::State& state, typename Traverser::Stack& stack) { state.stack = &stack; };
+concept StackTraverser = requires(typename Traverser::State& state, typename Traverser::Stack& stack) {
+  state.stack = &stack;
+};
 
 namespace detail {
 struct NoStack {};
@@ -86,9 +88,11 @@ inline constexpr int kMemoryClasses = 5;
 struct NullObserver {
   ACCEL_HD void load(Memory, const void*, std::uint32_t) {}
   ACCEL_HD void store(Memory, const void*, std::uint32_t) {}
-  ACCEL_HD void box_tests(std::uint32_t) {}
+  ACCEL_HD void node_step() {}                // an inner node has been visited on the way down
+  ACCEL_HD void leaf_visit(std::uint32_t) {}  // a leaf has been reached, an empty one too; its name in the structure
+  ACCEL_HD void box_tests(std::uint32_t) {}   // so many boxes have been tested
   ACCEL_HD void triangle_test() {}
-  ACCEL_HD void backtrack() {}
+  ACCEL_HD void backtrack() {}  // a step towards the next postponed node
 };
 
 // Starts a query: the interval is the ray's, clipped to [0, largest float].

@@ -1,0 +1,109 @@
+// The kd-tree in 8-byte nodes, with optional arrays that only some traversers read.
+//
+// Pharr and Humphreys 2004 (nodes of 64 bits); Foley and Sugerman 2005, "KD-Tree Acceleration Structures for a GPU Raytracer"
+// [FS05], sections 3.1 and Fig. 5 (parent links and boxes as an extension); Popov et al. 2007, "Stackless KD-Tree Traversal for
+// High Performance GPU Ray Tracing" (ropes). Deviations: the children of a node are adjacent, so it stores one index. A pair of
+// children belongs to one inner node, so parents and boxes are stored once a pair. Leaves refer to shared triangles.
+//
+// Invariants. Node 0 is the root and node 1 is unused; every other node belongs to one pair (2 i, 2 i + 1), and every pair to
+// one inner node, whose index is smaller. A plane lies strictly within its node's cell. A cell is closed: it contains its
+// faces.
+//
+// Padding: why no traverser needs an epsilon. A traversal meets planes at the rounded distances (plane - org) * inv_dir. These
+// are monotone in the plane, so the cells that it visits are those along a curve which is the ray but for an error of
+// gamma(3) |p_a - org_a| in each axis. The triangle tests accept hits which are off by gamma(5) of the distance of a vertex,
+// and a rounded t adds one rounding. So a triangle is stored in every cell that comes within
+//
+//     pad_a = gamma(16) * (size_a + kKdReach * largest size)
+//
+// of it along all axes: whatever cell the curve is in when the ray hits the triangle, the triangle is in it, as long as origins
+// lie within kKdReach times the largest extent of the scene's box from that box. So a hit with t <= t_max of a leaf is the
+// nearest, and flat cells, triangles in planes and rays along planes are nothing special: every triangle has a thickness, and
+// `bounds`, padded likewise, is never flat. From farther away hits near the borders of cells may be lost.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <type_traits>
+
+#include "libaccel/core/aabb.h"
+#include "libaccel/structure/reference_leaf.h"
+
+namespace accel {
+
+inline constexpr float kKdReach = 4.0f;
+inline constexpr std::uint32_t kKdLeaf = 3;  // in place of an axis
+
+// An inner node: the plane, and the axis and the index of its lower child. A leaf: the name of its references
+// (reference_leaf.h), and its number among the leaves.
+struct alignas(8) KdNode {
+  std::uint32_t payload;
+  std::uint32_t link;
+
+  static KdNode inner(int axis, float plane, std::uint32_t lower_child) {
+    return {std::bit_cast<std::uint32_t>(plane), lower_child << 2 | static_cast<std::uint32_t>(axis)};
+  }
+  static KdNode leaf(std::uint32_t first_reference, std::uint32_t ordinal) { return {first_reference, ordinal << 2 | kKdLeaf}; }
+
+  ACCEL_HD bool is_leaf() const { return (link & 3) == kKdLeaf; }
+  ACCEL_HD int axis() const { return static_cast<int>(link & 3); }
+  ACCEL_HD float plane() const { return std::bit_cast<float>(payload); }
+  ACCEL_HD std::uint32_t lower_child() const { return link >> 2; }  // the upper child is the next node
+  ACCEL_HD std::uint32_t first_reference() const { return payload; }
+  ACCEL_HD std::uint32_t ordinal() const { return link >> 2; }
+};
+static_assert(sizeof(KdNode) == 8 && std::is_trivially_copyable_v<KdNode>);
+
+inline constexpr std::uint32_t kMaxKdNodes = 1u << 30;
+ACCEL_HD std::uint32_t pair_of(std::uint32_t node) { return node >> 1; }
+
+// The neighbours of a leaf (Popov et al. 2007): for each face the smallest subtree that holds all leaves behind it, or kNoRope
+// at the border of the tree.
+inline constexpr std::uint32_t kNoRope = 0xffffffffu;
+struct LeafRopes {
+  Aabb cell;
+  std::uint32_t rope[6];  // node behind the lower and upper faces: x, y, z, x, y, z
+};
+static_assert(sizeof(LeafRopes) == 48 && std::is_trivially_copyable_v<LeafRopes>);
+
+// Arrays beyond nodes and leaves; a traverser names those that it reads as `static constexpr KdExtras kNeeds`.
+enum class KdExtras : std::uint8_t { none, parents_and_boxes, ropes };
+
+// What a traverser needs, passed to kernels by value.
+struct KdTreeView {
+  const KdNode* nodes = nullptr;  // null: an empty scene
+  ReferenceLeavesView leaves;
+  Aabb bounds;                             // the root's cell
+  const std::uint32_t* parents = nullptr;  // by pair: the inner node that it belongs to; pair 0 is the root's, unused
+  const Aabb* cells = nullptr;             // by pair: the cell of that inner node
+  const LeafRopes* ropes = nullptr;        // by ordinal
+};
+
+// The most inner nodes on a path that traversers with a stack accept.
+inline constexpr int kKdStackSize = 64;
+
+// The owning structure.
+struct KdTree {
+  static constexpr const char* kName = "kdtree";
+  using View = KdTreeView;
+
+  Buffer<KdNode> nodes;
+  ReferenceLeaves leaves;
+  Aabb bounds;
+  std::uint32_t depth = 0;        // inner nodes on the longest path from the root
+  std::uint32_t leaf_count = 0;   // empty ones too
+  Buffer<std::uint32_t> parents;  // empty, or as in the view
+  Buffer<Aabb> cells;
+  Buffer<LeafRopes> ropes;
+
+  bool has(KdExtras extras) const {
+    if (nodes.empty() || extras == KdExtras::none) return true;
+    return extras == KdExtras::ropes ? !ropes.empty() : !parents.empty();
+  }
+  std::size_t size_bytes() const {
+    return nodes.size_bytes() + leaves.size_bytes() + parents.size_bytes() + cells.size_bytes() + ropes.size_bytes();
+  }
+  KdTreeView view() const { return {nodes.data(), leaves.view(), bounds, parents.data(), cells.data(), ropes.data()}; }
+};
+
+}  // namespace accel
