@@ -9,17 +9,8 @@
 // one inner node, whose index is smaller. A plane lies strictly within its node's cell. A cell is closed: it contains its
 // faces.
 //
-// Padding: why no traverser needs an epsilon. A traversal meets planes at the rounded distances (plane - org) * inv_dir. These
-// are monotone in the plane, so the cells that it visits are those along a curve which is the ray but for an error of
-// gamma(3) |p_a - org_a| in each axis. The triangle tests accept hits which are off by gamma(5) of the distance of a vertex,
-// and a rounded t adds one rounding. So a triangle is stored in every cell that comes within
-//
-//     pad_a = gamma(16) * (size_a + kKdReach * largest size)
-//
-// of it along all axes: whatever cell the curve is in when the ray hits the triangle, the triangle is in it, as long as origins
-// lie within kKdReach times the largest extent of the scene's box from that box. So a hit with t <= t_max of a leaf is the
-// nearest, and flat cells, triangles in planes and rays along planes are nothing special: every triangle has a thickness, and
-// `bounds`, padded likewise, is never flat. From farther away hits near the borders of cells may be lost.
+// Triangles are padded when they are sorted into leaves, and `bounds` is padded likewise: padding.h says by how much, and why
+// no traverser needs an epsilon. So a hit with t <= t_max of a leaf is the nearest, and no cell is flat.
 #pragma once
 
 #include <bit>
@@ -31,7 +22,6 @@
 
 namespace accel {
 
-inline constexpr float kKdReach = 4.0f;
 inline constexpr std::uint32_t kKdLeaf = 3;  // in place of an axis
 
 // An inner node: the plane, and the axis and the index of its lower child. A leaf: the name of its references
