@@ -7,7 +7,7 @@
 // scene. Times are of the kernel alone, between two events on the device: warm-up launches first, then the median of the timed
 // ones. The table goes to stdout, messages to stderr; the JSON has Google Benchmark's shape.
 //
-// Brute force takes a prefix of the rays: as many as make kMaxBruteTests triangle tests.
+// Brute force takes a prefix of the rays: as many as make kMaxExhaustiveTests triangle tests.
 //
 // Exit status: 0 ok, 1 error, 2 usage, 3 a device answer differs from the CPU's, 5 no device or built without CUDA.
 #include <algorithm>
@@ -33,7 +33,7 @@ using Json = nlohmann::ordered_json;
 
 enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2, kMismatch = 3, kNoDevice = 5 };
 
-constexpr std::uint64_t kMaxBruteTests = 1ull << 33;
+constexpr std::uint64_t kMaxExhaustiveTests = 1ull << 33;
 constexpr int kWarmUp = 3;
 
 struct Arguments {
@@ -139,8 +139,8 @@ Result<std::vector<NamedRays>> make_ray_sets(const SceneData& scene, const AnyAc
 }
 
 std::uint64_t ray_limit(const MethodInfo& method, const TriangleMesh& mesh) {
-  if (method.builder != "brute") return DeviceBatch::kMaxRays;
-  return std::max<std::uint64_t>(1024, kMaxBruteTests / std::max<std::uint64_t>(mesh.size(), 1));
+  if (!method.exhaustive) return DeviceBatch::kMaxRays;
+  return std::max<std::uint64_t>(1024, kMaxExhaustiveTests / std::max<std::uint64_t>(mesh.size(), 1));
 }
 
 template <class T>

@@ -1,7 +1,7 @@
 // Rays per second of every method, beside Embree's on the same rays in the same run.
 //
-// A group is a scene and a ray kind; its rows are the methods, and Embree through single-ray calls in its fast mode, which ratios
-// refer to, and in its robust one. Closest or any hit, as renderers ask it of the kind.
+// A group is a scene and a ray kind; its rows are the methods, and Embree through single-ray calls in its fast mode, which
+// ratios refer to, and in its robust one. Closest or any hit, as renderers ask it of the kind.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 constexpr RayKind kKinds[] = {RayKind::primary, RayKind::shadow, RayKind::diffuse, RayKind::random, RayKind::edge};
 
 // Brute force is there to be right, not fast: it gets small scenes only.
-constexpr std::size_t kMostTrianglesForBruteForce = 2000;
+constexpr std::size_t kMostTrianglesForExhaustive = 2000;
 
 // Everything that the rows of a scene share; they hold it alive.
 struct Subject {
@@ -33,7 +33,7 @@ Result<std::shared_ptr<Subject>> prepare(const std::string& spec) {
   subject->scene = std::move(scene).value();
   const TriangleMesh& mesh = subject->scene.data.mesh;
   for (const MethodInfo& method : methods()) {
-    if (method.builder == "brute" && mesh.size() > kMostTrianglesForBruteForce) continue;
+    if (method.exhaustive && mesh.size() > kMostTrianglesForExhaustive) continue;
     // Methods of one builder share the structure.
     const auto sibling = std::find_if(subject->methods.begin(), subject->methods.end(),
                                       [&](const AnyAccel& other) { return other.method().builder == method.builder; });

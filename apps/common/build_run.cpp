@@ -6,6 +6,7 @@
 
 #include "libaccel/io/structure_sections.h"
 #include "libaccel/registry/any_accel.h"
+#include "libaccel/registry/structures.h"
 
 namespace accel::apps {
 
@@ -65,9 +66,9 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
   if (!settings.output.empty()) {
     bar.begin("writing " + settings.output);
     const AccelMetadata metadata = metadata_of(*scene, *accel, facts, options);
-    const Status saved =
-        std::visit([&](const auto& s) { return save_accel(settings.output, metadata, scene->mesh(), s); }, accel->structure());
-    if (!saved) return saved.error();
+    const auto saved = visit_structure(accel->structure(),
+                                       [&](const auto& s) { return save_accel(settings.output, metadata, scene->mesh(), s); });
+    if (!*saved) return saved->error();  // there is a status: the structure of a method is in the list
   }
   const int threads = settings.common.threads > 0 ? settings.common.threads : tbb::info::default_concurrency();
   return BuildRunReport{scene->name,

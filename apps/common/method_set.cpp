@@ -13,23 +13,17 @@ const MethodInfo& method_info(const std::string& name) {
   return *std::find_if(methods().begin(), methods().end(), [&](const MethodInfo& m) { return m.name == name; });
 }
 
-// The method to use for a structure file when the user does not say: the best one if it fits, else the first that does.
-std::string best_for(const StoredStructure& stored) {
-  if (method_info(best_method()).builder == stored.builder) return best_method();
-  for (const MethodInfo& m : methods())
-    if (m.builder == stored.builder) return m.name;
-  return best_method();
-}
+// The method to use when the user does not say.
+std::string best_for(const Scene& scene) { return best_method({.builder = scene.stored ? scene.stored->builder : ""}); }
 
 // Why "all" leaves a method out; empty if it does not.
 std::string reason_to_skip(const MethodInfo& method, const Scene& scene, std::uint64_t rays) {
   if (scene.stored && method.builder != scene.stored->builder)
     return "the file holds a structure built by '" + scene.stored->builder + "'";
-  const bool no_hierarchy = method.structure == TriangleList::kName;
   const std::uint64_t triangles = std::max<std::uint64_t>(scene.mesh().size(), 1);
-  if (no_hierarchy && rays > kMostBruteForceTests / triangles)
+  if (method.exhaustive && rays > kMostExhaustiveTests / triangles)
     return counted(rays, "ray") + " times " + counted(triangles, "triangle") + " are more than " +
-           with_commas(kMostBruteForceTests) + " tests; name the method to run it";
+           with_commas(kMostExhaustiveTests) + " tests; name the method to run it";
   return {};
 }
 
@@ -37,7 +31,7 @@ std::vector<std::string> resolve(const Scene& scene, const TraceSettings& settin
   std::vector<std::string> names;
   if (settings.methods.front() != "all") {
     for (const std::string& name : settings.methods) {
-      const std::string actual = name != "best" ? name : scene.stored ? best_for(*scene.stored) : best_method();
+      const std::string actual = name != "best" ? name : best_for(scene);
       if (std::find(names.begin(), names.end(), actual) == names.end()) names.push_back(actual);
     }
     return names;
@@ -57,7 +51,7 @@ Outcome<AnyAccel> bind_stored(const Scene& scene, const MethodInfo& method) {
   const StoredStructure& stored = *scene.stored;
   if (method.builder != stored.builder)
     return Failure(ExitStatus::error, "'" + scene.name + "' holds a structure built by '" + stored.builder + "', which " +
-                                          method.name + " does not use; try --method " + best_for(stored) +
+                                          method.name + " does not use; try --method " + best_for(scene) +
                                           ", or trace the scene itself");
   auto accel = AnyAccel::bind(stored.structure, method.name, stored.report);
   if (!accel) return accel.error();

@@ -11,8 +11,8 @@
 
 namespace accel::apps {
 
-// With "all", methods without a hierarchy take part only up to this many triangle tests a pass: about a second's worth.
-inline constexpr std::uint64_t kMostBruteForceTests = 200'000'000;
+// With "all", exhaustive methods take part only up to this many triangle tests a pass: about a second's worth.
+inline constexpr std::uint64_t kMostExhaustiveTests = 200'000'000;
 
 struct MethodSet {
   struct Member {

@@ -12,6 +12,7 @@
 #include "libaccel/io/structure_sections.h"
 #include "libaccel/rays/camera.h"
 #include "libaccel/rays/default_light.h"
+#include "libaccel/registry/structures.h"
 #include "scenes/procedural.h"
 
 namespace accel::apps {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "libaccel/registry/structures.h"
 #include "libaccel/structure/bvh2_stats.h"
 
 namespace accel::apps {
@@ -39,7 +40,8 @@ StructureFacts facts_of_kind(const Structure& structure, const BuildOptions&, De
 }  // namespace
 
 StructureFacts facts_of(const AnyStructure& structure, const BuildOptions& options, Detail detail) {
-  return std::visit([&](const auto& s) { return facts_of_kind(s, options, detail); }, structure);
+  return visit_structure(structure, [&](const auto& s) { return facts_of_kind(s, options, detail); })
+      .value_or(StructureFacts{});
 }
 
 }  // namespace accel::apps

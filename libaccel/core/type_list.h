@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -15,6 +16,9 @@ struct TypeTag {
 template <class... Ts>
 struct TypeList {
   static constexpr std::size_t size = sizeof...(Ts);
+
+  template <std::size_t kIndex>
+  using At = std::tuple_element_t<kIndex, std::tuple<Ts...>>;
 
   // Calls visit(TypeTag<T>{}) for each type, in order.
   template <class Visitor>

@@ -1,113 +1,20 @@
 #include "libaccel/registry/any_accel.h"
 
-#include <array>
+#include <algorithm>
+#include <utility>
 
 #include "libaccel/core/suggest.h"
-#include "libaccel/exec/cpu.h"
-#include "libaccel/exec/simt.h"
+#include "libaccel/registry/method_entry.h"
 
 namespace accel {
 
 namespace {
 
-// What a method can do with a structure, for one triangle test. One function pointer a query: no virtual calls inside.
-struct TestEntry {
-  void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, int threads);
-  void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, int threads);
-  Hit (*closest_one)(const AnyStructure&, const Ray&);
-  bool (*occluded_one)(const AnyStructure&, const Ray&);
-  Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t> steps, int threads);
-  SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, const SimtOptions&, int threads);
-};
-
-struct MethodEntry {
-  MethodInfo info;
-  Result<AnyAccel> (*build)(const TriangleMesh&, const MethodInfo&, const BuildOptions&);
-  Status (*check)(const AnyStructure&, const MethodInfo&);  // may the traverser trace this structure?
-  std::array<TestEntry, TriangleTests::size> tests;
-};
-
-template <class Method>
-auto view_of(const AnyStructure& structure) {
-  return std::get<typename Method::Structure>(structure).view();
-}
-
-template <class Method, class Test>
-TestEntry make_test_entry() {
-  using Closest = typename Method::template Traverser<Test, Query::closest>;
-  using Any = typename Method::template Traverser<Test, Query::any>;
-  TestEntry entry;
-  entry.closest = [](const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
-    trace_closest<Closest>(view_of<Method>(s), rays, hits, threads);
-  };
-  entry.occluded = [](const AnyStructure& s, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
-    trace_any<Any>(view_of<Method>(s), rays, occluded, threads);
-  };
-  entry.closest_one = [](const AnyStructure& s, const Ray& ray) {
-    NullObserver observer;
-    return trace_ray<Closest>(view_of<Method>(s), ray, observer);
-  };
-  entry.occluded_one = [](const AnyStructure& s, const Ray& ray) {
-    NullObserver observer;
-    return trace_ray<Any>(view_of<Method>(s), ray, observer).valid();
-  };
-  entry.count = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps, int threads) {
-    return query == Query::closest ? count_rays<Closest>(view_of<Method>(s), rays, steps, threads)
-                                   : count_rays<Any>(view_of<Method>(s), rays, steps, threads);
-  };
-  entry.simt = [](const AnyStructure& s, std::span<const Ray> rays, Query query, const SimtOptions& options, int threads) {
-    return query == Query::closest ? simulate_simt<Closest>(view_of<Method>(s), rays, {}, options, threads)
-                                   : simulate_simt<Any>(view_of<Method>(s), rays, {}, options, threads);
-  };
-  return entry;
-}
-
-// The depth of a structure that has one.
-template <class Structure>
-std::uint32_t depth_of(const Structure& structure) {
-  if constexpr (requires { structure.depth; }) return structure.depth;
-  else return 0;
-}
-
-template <class Method>
-Status check_structure(const AnyStructure& any, const MethodInfo& info) {
-  const auto* structure = std::get_if<typename Method::Structure>(&any);
-  if (structure == nullptr)
-    return Error{"method " + info.name + " traces structures of kind '" + info.structure + "', and this is a '" +
-                 std::visit([](const auto& s) { return std::string(s.kName); }, any) + "'"};
-  using Traverser = typename Method::template Traverser<Watertight, Query::closest>;
-  if constexpr (requires { Traverser::kMaxDepth; }) {
-    if (depth_of(*structure) > Traverser::kMaxDepth)
-      return Error{"the structure is " + std::to_string(depth_of(*structure)) + " levels deep, but " + info.name +
-                   " has room for " + std::to_string(Traverser::kMaxDepth) + "; rebuild it with a smaller max_depth"};
-  }
-  return Done{};
-}
-
-template <class Method>
-Result<AnyAccel> build_method(const TriangleMesh& mesh, const MethodInfo& info, const BuildOptions& options) {
-  auto built = Method::Builder::build(mesh, options);
-  if (!built) return built.error();
-  return AnyAccel::bind(AnyStructure(std::move(built->structure)), info.name, std::move(built->report));
-}
-
-template <class Method>
-MethodEntry make_entry() {
-  MethodEntry entry;
-  entry.info = {Method::name(), Method::Builder::kName, Method::kTraverserName, Method::Structure::kName};
-  entry.build = build_method<Method>;
-  entry.check = check_structure<Method>;
-  std::size_t i = 0;
-  TriangleTests::for_each([&](auto test) { entry.tests[i++] = make_test_entry<Method, typename decltype(test)::type>(); });
-  return entry;
-}
-
 const std::vector<MethodEntry>& entries() {
-  static const std::vector<MethodEntry> list = [] {
-    std::vector<MethodEntry> result;
-    Methods::for_each([&](auto method) { result.push_back(make_entry<typename decltype(method)::type>()); });
-    return result;
-  }();
+  static const std::vector<MethodEntry> list = []<std::size_t... kIndices>(std::index_sequence<kIndices...>) {
+    return std::vector<MethodEntry>{make_method_entry<kIndices>()...};
+  }
+  (std::make_index_sequence<Methods::size>{});
   return list;
 }
 
@@ -153,7 +60,15 @@ const std::vector<std::string>& triangle_tests() {
   return list;
 }
 
-std::string best_method() { return "sbvh/stack"; }
+std::string best_method(const Purpose& purpose) {
+  constexpr std::string_view kBest = "sbvh/stack";
+  const std::vector<MethodInfo>& all = methods();
+  const auto serves = [&](const MethodInfo& m) { return m.builder == purpose.builder; };
+  const auto first = std::find_if(all.begin(), all.end(), serves);
+  if (first == all.end()) return std::string(kBest);
+  const bool best_serves = std::any_of(first, all.end(), [&](const MethodInfo& m) { return serves(m) && m.name == kBest; });
+  return best_serves ? std::string(kBest) : first->name;
+}
 
 Result<std::string> find_method(std::string_view name) {
   if (name == "best") return best_method();
@@ -225,6 +140,6 @@ Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query quer
 const MethodInfo& AnyAccel::method() const { return state_->entry->info; }
 const AnyStructure& AnyAccel::structure() const { return state_->structure; }
 const BuildReport& AnyAccel::report() const { return state_->report; }
-std::size_t AnyAccel::size_bytes() const { return accel::size_bytes(state_->structure); }
+std::size_t AnyAccel::size_bytes() const { return state_->structure.size_bytes(); }
 
 }  // namespace accel

@@ -26,6 +26,7 @@ struct MethodInfo {
   std::string builder;    // "sbvh"
   std::string traverser;  // "stack"
   std::string structure;  // "bvh2"
+  bool exhaustive;        // every ray tests every triangle: see trace/traverser.h
 };
 
 // All methods and all triangle tests, in the registry's order.
@@ -35,8 +36,14 @@ const std::vector<std::string>& triangle_tests();
 // The name of a method, or an error that suggests one. "best" is resolved as best_method() says.
 Result<std::string> find_method(std::string_view name);
 
-// The method that the library recommends for closest and any hit rays on this machine, for meshes of any size.
-std::string best_method();
+// What a method is to serve.
+struct Purpose {
+  std::string_view builder = {};  // who made the structure; empty, or the name of no builder: it is still to be built
+  Query query = Query::closest;
+};
+
+// The method that the library recommends on this machine. For a builder's structure it is one of the builder's methods.
+std::string best_method(const Purpose& purpose = {});
 
 struct TraceOptions {
   int threads = 0;        // 0: as many as the machine has; 1: the calling thread alone
@@ -48,7 +55,8 @@ class AnyAccel {
   // Builds what `method` needs from a mesh that validate() accepts.
   static Result<AnyAccel> build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options = {});
 
-  // Binds a structure that exists, from a file say, to a method that traces structures of its kind. `report` tells how it was built.
+  // Binds a structure that exists, from a file say, to a method that traces structures of its kind. `report` tells how it was
+  // built.
   static Result<AnyAccel> bind(AnyStructure structure, std::string_view method, BuildReport report = {});
 
   // Fails if the traverser cannot trace this structure: wrong kind, or too deep for its stack.

@@ -1,30 +1,51 @@
-// One of the structures that the registry's builders make.
+// A structure of any kind, with its type erased: what builders make, files hold and methods trace.
+//
+// Copies share the structure, and nothing changes it once it is in here. This header knows no kind and no traverser, so that
+// adding one recompiles nobody who passes structures on; code that must know all kinds includes registry/structures.h.
 #pragma once
 
-#include <variant>
-
-#include "libaccel/registry/methods.h"
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <utility>
 
 namespace accel {
 
-namespace detail {
-template <class List, class... Ms>
-struct StructuresOf {
-  using type = List;
+class AnyStructure {
+ public:
+  // Takes any structure of structure/, implicitly: it has a kName that no other kind has, and size_bytes().
+  template <class Structure>
+  requires requires(const Structure& s) { Structure::kName, s.size_bytes(); }
+  AnyStructure(Structure structure)
+      : kind_(Structure::kName),
+        size_bytes_(structure.size_bytes()),
+        depth_(depth_of(structure)),
+        object_(std::make_shared<const Structure>(std::move(structure))) {}
+
+  std::string_view kind() const { return kind_; }  // Structure::kName
+  std::size_t size_bytes() const { return size_bytes_; }
+  std::uint32_t depth() const { return depth_; }  // 0 for what is no tree
+
+  // The structure itself, or null if it is of another kind.
+  template <class Structure>
+  const Structure* get_if() const {
+    return kind_ == Structure::kName ? static_cast<const Structure*>(object_.get()) : nullptr;
+  }
+
+ private:
+  template <class Structure>
+  static std::uint32_t depth_of(const Structure& structure) {
+    if constexpr (requires { structure.depth; })
+      return structure.depth;
+    else
+      return 0;
+  }
+
+  std::string_view kind_;
+  std::size_t size_bytes_;
+  std::uint32_t depth_;
+  std::shared_ptr<const void> object_;
 };
-template <class List, class M, class... Ms>
-struct StructuresOf<List, M, Ms...> : StructuresOf<typename List::template AppendUnique<typename M::Structure>, Ms...> {};
-
-template <class... Ms>
-using UniqueStructures = typename StructuresOf<TypeList<>, Ms...>::type;
-}  // namespace detail
-
-// The structure types of all methods, each once.
-using Structures = Methods::Apply<detail::UniqueStructures>;
-using AnyStructure = Structures::Apply<std::variant>;
-
-inline std::size_t size_bytes(const AnyStructure& structure) {
-  return std::visit([](const auto& s) { return s.size_bytes(); }, structure);
-}
 
 }  // namespace accel

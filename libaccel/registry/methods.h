@@ -1,7 +1,8 @@
 // The one list of methods, and of triangle tests.
 //
 // To add a traverser: write one header in trace/, include it and add one line here. The command lines, the conformance and
-// differential tests, the benchmarks, the SIMT model and the CUDA kernels all iterate over these lists.
+// differential tests, the benchmarks, the SIMT model and the CUDA kernels all iterate over these lists. The build reads this
+// file too: it makes one object file a method, so each stands on a line of its own (cmake/AccelMethods.cmake).
 #pragma once
 
 #include <string>
@@ -26,10 +27,11 @@ struct Method {
   using Traverser = TraverserTemplate<Test, kQuery>;
 
   static constexpr const char* kTraverserName = Traverser<Watertight, Query::closest>::kName;
+  static constexpr bool kExhaustive = requires { requires Traverser<Watertight, Query::closest>::kIsExhaustive; };
   static std::string name() { return std::string(Builder::kName) + "/" + kTraverserName; }
 };
 
-using Methods = TypeList<        //
+using Methods = TypeList<             //
     Method<ListBuilder, BruteForce>,  // brute/loop
     Method<BinnedSah, Bvh2Stack>,     // bvh/stack
     Method<Sbvh, Bvh2Stack>           // sbvh/stack

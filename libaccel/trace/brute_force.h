@@ -9,6 +9,7 @@ namespace accel {
 template <class Test, Query kQuery>
 struct BruteForce {
   static constexpr const char* kName = "loop";
+  static constexpr bool kIsExhaustive = true;
   using View = TriangleListView;
 
   struct State {

@@ -78,7 +78,7 @@ struct DeviceMethod {
 
 template <class Method>
 std::any upload_structure(const AnyStructure& any, cuda::Uploader& uploader) {
-  return upload(std::get<typename Method::Structure>(any), uploader);
+  return upload(*any.get_if<typename Method::Structure>(), uploader);
 }
 
 template <class Method>

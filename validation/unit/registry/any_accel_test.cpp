@@ -5,6 +5,8 @@
 
 #include <set>
 
+#include "libaccel/structure/bvh2.h"
+#include "libaccel/structure/triangle_list.h"
 #include "validation/stress/stress_scenes.h"
 
 namespace accel {
@@ -41,6 +43,42 @@ TEST(Registry, BestIsAMethod) {
   EXPECT_EQ(*best, best_method());
 }
 
+TEST(Registry, BestServesTheStructureThatThereIs) {
+  for (const MethodInfo& method : methods())
+    for (const Query query : {Query::closest, Query::any}) {
+      const std::string best = best_method({.builder = method.builder, .query = query});
+      EXPECT_TRUE(build(method.name.c_str()).with_method(best)) << best << " for a structure of " << method.builder;
+    }
+  EXPECT_EQ(best_method({.builder = "nobody's"}), best_method());
+}
+
+TEST(Registry, ExhaustiveMethodsAreThoseThatTestEveryTriangle) {
+  const TriangleMesh mesh = validation::mesh_of(validation::random_triangles(200, 0.01f, 1));
+  const std::vector<Ray> rays(1, Ray{.org = {2, 2, 2}, .dir = {1, 0, 0}});
+  for (const MethodInfo& method : methods()) {
+    const Result<AnyAccel> accel = AnyAccel::build(mesh, method.name);
+    ASSERT_TRUE(accel) << accel.message();
+    const Result<Counters> counters = accel->count(rays, Query::closest);
+    ASSERT_TRUE(counters) << counters.message();
+    EXPECT_EQ(method.exhaustive, counters->triangle_tests == mesh.size()) << method.name;
+  }
+}
+
+TEST(AnyStructure, IsWhatItWasMadeOf) {
+  Bvh2 bvh;
+  bvh.nodes = Buffer<Bvh2Node>(3);
+  bvh.depth = 2;
+  const AnyStructure any(bvh);
+  EXPECT_EQ(any.kind(), Bvh2::kName);
+  EXPECT_EQ(any.depth(), 2u);
+  EXPECT_EQ(any.size_bytes(), 3 * sizeof(Bvh2Node));
+  ASSERT_NE(any.get_if<Bvh2>(), nullptr);
+  EXPECT_EQ(any.get_if<Bvh2>()->nodes.data(), bvh.nodes.data()) << "copies share their arrays";
+  EXPECT_EQ(any.get_if<TriangleList>(), nullptr);
+  const AnyStructure copy = any;
+  EXPECT_EQ(copy.get_if<Bvh2>(), any.get_if<Bvh2>()) << "copies share the structure";
+}
+
 TEST(Registry, SuggestsWhatWasMeant) {
   const Result<std::string> found = find_method("bvh/stcak");
   ASSERT_FALSE(found);
@@ -67,7 +105,7 @@ TEST(AnyAccel, BindsOnlyStructuresOfItsKind) {
 }
 
 TEST(AnyAccel, RefusesTreesDeeperThanItsStack) {
-  Bvh2 bvh = std::get<Bvh2>(build("bvh/stack").structure());
+  Bvh2 bvh = *build("bvh/stack").structure().get_if<Bvh2>();
   bvh.depth = kBvh2StackSize;
   EXPECT_TRUE(AnyAccel::bind(bvh, "bvh/stack"));
   bvh.depth = kBvh2StackSize + 1;

@@ -9,7 +9,7 @@
 
 #include "libaccel/exec/cpu.h"
 #include "libaccel/exec/simt.h"
-#include "libaccel/registry/any_structure.h"
+#include "libaccel/registry/structures.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
 

@@ -1,0 +1,90 @@
+// The definition of make_method_entry(): all executors for one method. Internal to the registry; only the generated files, one
+// for each method, include this.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "libaccel/exec/cpu.h"
+#include "libaccel/exec/simt.h"
+#include "libaccel/registry/method_entry.h"
+
+namespace accel {
+
+namespace detail {
+
+// Only for structures that the method's check has let pass.
+template <class Method>
+auto view_of(const AnyStructure& any) {
+  const auto* structure = any.get_if<typename Method::Structure>();
+  ACCEL_ASSERT(structure != nullptr);
+  return structure->view();
+}
+
+template <class Method, class Test>
+TestEntry make_test_entry() {
+  using Closest = typename Method::template Traverser<Test, Query::closest>;
+  using Any = typename Method::template Traverser<Test, Query::any>;
+  TestEntry entry;
+  entry.closest = [](const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
+    trace_closest<Closest>(view_of<Method>(s), rays, hits, threads);
+  };
+  entry.occluded = [](const AnyStructure& s, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
+    trace_any<Any>(view_of<Method>(s), rays, occluded, threads);
+  };
+  entry.closest_one = [](const AnyStructure& s, const Ray& ray) {
+    NullObserver observer;
+    return trace_ray<Closest>(view_of<Method>(s), ray, observer);
+  };
+  entry.occluded_one = [](const AnyStructure& s, const Ray& ray) {
+    NullObserver observer;
+    return trace_ray<Any>(view_of<Method>(s), ray, observer).valid();
+  };
+  entry.count = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps, int threads) {
+    return query == Query::closest ? count_rays<Closest>(view_of<Method>(s), rays, steps, threads)
+                                   : count_rays<Any>(view_of<Method>(s), rays, steps, threads);
+  };
+  entry.simt = [](const AnyStructure& s, std::span<const Ray> rays, Query query, const SimtOptions& options, int threads) {
+    return query == Query::closest ? simulate_simt<Closest>(view_of<Method>(s), rays, {}, options, threads)
+                                   : simulate_simt<Any>(view_of<Method>(s), rays, {}, options, threads);
+  };
+  return entry;
+}
+
+template <class Method>
+Status check_structure(const AnyStructure& structure, const MethodInfo& info) {
+  if (structure.get_if<typename Method::Structure>() == nullptr)
+    return Error{"method " + info.name + " traces structures of kind '" + info.structure + "', and this is a '" +
+                 std::string(structure.kind()) + "'"};
+  using Traverser = typename Method::template Traverser<Watertight, Query::closest>;
+  if constexpr (requires { Traverser::kMaxDepth; }) {
+    if (structure.depth() > Traverser::kMaxDepth)
+      return Error{"the structure is " + std::to_string(structure.depth()) + " levels deep, but " + info.name +
+                   " has room for " + std::to_string(Traverser::kMaxDepth) + "; rebuild it with a smaller max_depth"};
+  }
+  return Done{};
+}
+
+template <class Method>
+Result<AnyAccel> build_method(const TriangleMesh& mesh, const MethodInfo& info, const BuildOptions& options) {
+  auto built = Method::Builder::build(mesh, options);
+  if (!built) return built.error();
+  return AnyAccel::bind(AnyStructure(std::move(built->structure)), info.name, std::move(built->report));
+}
+
+}  // namespace detail
+
+template <std::size_t kIndex>
+MethodEntry make_method_entry() {
+  using Method = Methods::At<kIndex>;
+  MethodEntry entry;
+  entry.info = {Method::name(), Method::Builder::kName, Method::kTraverserName, Method::Structure::kName, Method::kExhaustive};
+  entry.build = detail::build_method<Method>;
+  entry.check = detail::check_structure<Method>;
+  std::size_t i = 0;
+  TriangleTests::for_each(
+      [&](auto test) { entry.tests[i++] = detail::make_test_entry<Method, typename decltype(test)::type>(); });
+  return entry;
+}
+
+}  // namespace accel

@@ -1,0 +1,39 @@
+// A line of the registry as a value: its description, and what it can do, behind function pointers.
+//
+// Internal to the registry. The value of each method is made in an object file of its own, which the build generates from the
+// list (libaccel/CMakeLists.txt): the instantiations of a method for all tests, queries and executors are most of what there is
+// to compile, and so they compile in parallel.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "libaccel/registry/any_accel.h"
+#include "libaccel/registry/methods.h"
+
+namespace accel {
+
+// What a method can do with a structure, for one triangle test. One function pointer a query: no virtual calls inside.
+struct TestEntry {
+  void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, int threads);
+  void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, int threads);
+  Hit (*closest_one)(const AnyStructure&, const Ray&);
+  bool (*occluded_one)(const AnyStructure&, const Ray&);
+  Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t> steps, int threads);
+  SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, const SimtOptions&, int threads);
+};
+
+struct MethodEntry {
+  MethodInfo info;
+  Result<AnyAccel> (*build)(const TriangleMesh&, const MethodInfo&, const BuildOptions&);
+  Status (*check)(const AnyStructure&, const MethodInfo&);  // may the traverser trace this structure?
+  std::array<TestEntry, TriangleTests::size> tests;
+};
+
+// The entry of the method with this index in Methods. Defined by registry/instantiate_method.h.
+template <std::size_t kIndex>
+MethodEntry make_method_entry();
+
+}  // namespace accel
