@@ -12,7 +12,7 @@
 #define ACCEL_HD inline __attribute__((always_inline))
 #endif
 
-// A copy of 16 bytes that no one writes while rays are traced: one load through a device's read-only path, however few of the bytes
+// A copy of 16 (8) bytes that no one writes while rays are traced: one load through a device's read-only path, however few of the bytes
 // are used; a plain copy on the host.
 template <class T>
 ACCEL_HD T load_16_bytes(const T& object) {
@@ -21,6 +21,26 @@ ACCEL_HD T load_16_bytes(const T& object) {
   return __builtin_bit_cast(T, __ldg(reinterpret_cast<const uint4*>(&object)));
 #else
   return object;
+#endif
+}
+template <class T>
+ACCEL_HD T load_8_bytes(const T& object) {
+  static_assert(sizeof(T) == 8 && alignof(T) == 8);
+#if defined(__CUDA_ARCH__)
+  return __builtin_bit_cast(T, __ldg(reinterpret_cast<const uint2*>(&object)));
+#else
+  return object;
+#endif
+}
+
+// One of three by a run-time index: a load on the host; selects on devices, where what is indexed at run time leaves the
+// registers.
+template <class T>
+ACCEL_HD T element_of_three(const T (&three)[3], int i) {
+#if defined(__CUDA_ARCH__)
+  return i == 0 ? three[0] : i == 1 ? three[1] : three[2];
+#else
+  return three[i];
 #endif
 }
 

@@ -45,14 +45,16 @@ struct alignas(8) KdNode {
 static_assert(sizeof(KdNode) == 8 && std::is_trivially_copyable_v<KdNode>);
 
 inline constexpr std::uint32_t kMaxKdNodes = 1u << 30;
+inline constexpr std::uint32_t kKdRoot = 0;
 ACCEL_HD std::uint32_t pair_of(std::uint32_t node) { return node >> 1; }
+ACCEL_HD std::uint32_t sibling_of(std::uint32_t node) { return node ^ 1u; }
 
 // The neighbours of a leaf (Popov et al. 2007): for each face the smallest subtree that holds all leaves behind it, or kNoRope
 // at the border of the tree.
 inline constexpr std::uint32_t kNoRope = 0xffffffffu;
 struct LeafRopes {
   Aabb cell;
-  std::uint32_t rope[6];  // node behind the lower and upper faces: x, y, z, x, y, z
+  std::uint32_t rope[6];  // nodes behind the lower faces, x, y, z, and behind the upper ones
 };
 static_assert(sizeof(LeafRopes) == 48 && std::is_trivially_copyable_v<LeafRopes>);
 

@@ -1,0 +1,78 @@
+// Ordered traversal of a kd-tree with a stack: Foley and Sugerman 2005, "KD-Tree Acceleration Structures for a GPU Raytracer"
+// [FS05], section 2.1 and Fig. 2, after Pharr and Humphreys 2004.
+//
+// Deviations: an entry of the stack has no t_min, for it is the t_max of the leaf before it is popped. How [FS05]'s tests are
+// written so that nothing is lost at planes: see kdtree_common.h. All other traversers of the kd-tree visit the same leaves in
+// the same order.
+#pragma once
+
+#include "libaccel/trace/kdtree_common.h"
+
+namespace accel {
+
+template <class Test, Query kQuery>
+struct KdTreeStack {
+  static constexpr const char* kName = "stack";
+  using View = KdTreeView;
+
+  // One postponed child for each inner node on the path.
+  static constexpr std::uint32_t kMaxDepth = kKdStackSize;
+
+  // For speculation: see trace/traverser.h.
+  static constexpr Phase kAfterLeaf = Phase::backtrack;
+
+  struct Postponed {
+    std::uint32_t node;
+    float t_max;
+  };
+  struct Stack {
+    Postponed entries[kKdStackSize];
+  };
+  struct State : KdState<Test> {
+    int postponed;  // entries on the stack
+    Stack* stack;
+  };
+
+  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.reference; }
+
+  template <class Observer>
+  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
+    if (!begin_kdtree(view, ray, state, hit)) return Phase::done;
+    state.postponed = 0;
+    return enter(view, kKdRoot, state, observer);
+  }
+
+  // search-split
+  template <class Observer>
+  ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
+    observer.node_step();
+    const KdCrossing plane = crossing(state.planes, state.node);
+    // Branches, not selects: a predicted child is fetched before the distance is known, see bvh2_stack.h.
+    if (!(plane.t > state.t_min)) return enter(view, plane.second(), state, observer);
+    if (!(plane.t < state.t_max)) return enter(view, plane.first, state, observer);
+    Postponed& entry = state.stack->entries[state.postponed++];
+    observer.store(Memory::stack, &entry, sizeof entry);
+    entry = {plane.second(), state.t_max};
+    state.t_max = plane.t;
+    return enter(view, plane.first, state, observer);
+  }
+
+  // search-leaf
+  template <class Observer>
+  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
+    return intersect_next<Test, kQuery>(view.leaves, ray, state.test, first_t(ray), state.reference, hit, kAfterLeaf, observer);
+  }
+
+  // continue-search
+  template <class Observer>
+  ACCEL_HD static Phase backtrack(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
+    if (is_final(hit, state) || state.postponed == 0) return Phase::done;
+    observer.backtrack();
+    const Postponed& entry = state.stack->entries[--state.postponed];
+    observer.load(Memory::stack, &entry, sizeof entry);
+    state.t_min = state.t_max, state.t_max = entry.t_max;
+    return enter(view, entry.node, state, observer);
+  }
+};
+
+}  // namespace accel
