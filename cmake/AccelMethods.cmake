@@ -1,18 +1,42 @@
-# accel_method_sources(<variable> <header> <function> <extension>): sources that instantiate <function><i>() of <header>, one for
-# each method i of libaccel/registry/methods.h, so that the methods compile in parallel.
+# One source a method: the list in libaccel/registry/methods.h is read, and each of its lines is instantiated by itself, in a file
+# that includes what this method needs and nothing of the others. So methods compile in parallel, and a new or changed traverser
+# recompiles its own methods only.
+
+# accel_find_declaration(<variable> <name> <headers...>): the header that declares a type or an alias.
+function(accel_find_declaration variable name)
+  foreach(header IN LISTS ARGN)
+    file(STRINGS "${PROJECT_SOURCE_DIR}/${header}" found REGEX "^(struct|class|using) ${name}( |$)")
+    if(found)
+      set(${variable} "${header}" PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  message(FATAL_ERROR "libaccel/registry/methods.h includes no header of build/ or trace/ that declares ${name}")
+endfunction()
+
+# accel_method_sources(<variable> <header> <function> <extension>): sources that instantiate the function template of the header
+# for every method; the function is given as "<return type> <name>".
 function(accel_method_sources variable header function extension)
   set(list "${PROJECT_SOURCE_DIR}/libaccel/registry/methods.h")
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${list}")
-  file(STRINGS "${list}" methods REGEX "^ +Method<")
-  list(LENGTH methods count)
+  file(STRINGS "${list}" headers REGEX "^#include \"libaccel/(build|trace)/")
+  list(TRANSFORM headers REPLACE "^#include \"(.*)\".*" "\\1")
+  file(STRINGS "${list}" lines REGEX "^ +Method<")
   set(sources)
-  math(EXPR last "${count} - 1")
-  foreach(index RANGE ${last})
-    set(source "${CMAKE_CURRENT_BINARY_DIR}/methods/method_${index}.${extension}")
+  foreach(line IN LISTS lines)
+    if(NOT line MATCHES "^ +Method<([A-Za-z0-9_]+), ([A-Za-z0-9_]+)>")
+      message(FATAL_ERROR "libaccel/registry/methods.h: '${line}' is not Method<Builder, Traverser>, alone on its line")
+    endif()
+    set(builder "${CMAKE_MATCH_1}")
+    set(traverser "${CMAKE_MATCH_2}")
+    accel_find_declaration(builder_header ${builder} ${headers})
+    accel_find_declaration(traverser_header ${traverser} ${headers})
+    set(source "${CMAKE_CURRENT_BINARY_DIR}/methods/${builder}_${traverser}.${extension}")
     file(CONFIGURE OUTPUT "${source}" @ONLY CONTENT [[
+#include "@builder_header@"
+#include "@traverser_header@"
 #include "@header@"
-static_assert(accel::Methods::size == @count@, "each method stands on a line of its own: cmake/AccelMethods.cmake counts lines");
-template @function@<@index@>();
+template @function@<accel::Method<accel::@builder@, accel::@traverser@>>();
 ]])
     list(APPEND sources "${source}")
   endforeach()

@@ -5,16 +5,18 @@
 
 #include "libaccel/core/suggest.h"
 #include "libaccel/registry/method_entry.h"
+#include "libaccel/registry/methods.h"
 
 namespace accel {
 
 namespace {
 
 const std::vector<MethodEntry>& entries() {
-  static const std::vector<MethodEntry> list = []<std::size_t... kIndices>(std::index_sequence<kIndices...>) {
-    return std::vector<MethodEntry>{make_method_entry<kIndices>()...};
-  }
-  (std::make_index_sequence<Methods::size>{});
+  static const std::vector<MethodEntry> list = [] {
+    std::vector<MethodEntry> result;
+    Methods::for_each([&](auto method) { result.push_back(make_method_entry<typename decltype(method)::type>()); });
+    return result;
+  }();
   return list;
 }
 

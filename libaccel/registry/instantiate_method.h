@@ -1,5 +1,5 @@
-// The definition of make_method_entry(): all executors for one method. Internal to the registry; only the generated files, one
-// for each method, include this.
+// The definition of make_method_entry(): all executors for one method. Internal to the registry; only the sources that
+// the build makes for each method include this.
 #pragma once
 
 #include <string>
@@ -74,9 +74,8 @@ Result<AnyAccel> build_method(const TriangleMesh& mesh, const MethodInfo& info, 
 
 }  // namespace detail
 
-template <std::size_t kIndex>
+template <class Method>
 MethodEntry make_method_entry() {
-  using Method = Methods::At<kIndex>;
   MethodEntry entry;
   entry.info = {Method::name(), Method::Builder::kName, Method::kTraverserName, Method::Structure::kName, Method::kExhaustive};
   entry.build = detail::build_method<Method>;

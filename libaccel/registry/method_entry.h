@@ -1,17 +1,16 @@
 // A line of the registry as a value: its description, and what it can do, behind function pointers.
 //
-// Internal to the registry. The value of each method is made in an object file of its own, which the build generates from the
-// list (libaccel/CMakeLists.txt): the instantiations of a method for all tests, queries and executors are most of what there is
-// to compile, and so they compile in parallel.
+// Internal to the registry. The value of each method is made in an object file of its own, whose source the build makes from
+// the list (cmake/AccelMethods.cmake): its instantiations for all tests, queries and executors are most of what there is to
+// compile.
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "libaccel/registry/any_accel.h"
-#include "libaccel/registry/methods.h"
+#include "libaccel/registry/method.h"
 
 namespace accel {
 
@@ -32,8 +31,8 @@ struct MethodEntry {
   std::array<TestEntry, TriangleTests::size> tests;
 };
 
-// The entry of the method with this index in Methods. Defined by registry/instantiate_method.h.
-template <std::size_t kIndex>
+// The entry of a line of registry/methods.h. Defined in registry/instantiate_method.h.
+template <class Method>
 MethodEntry make_method_entry();
 
 }  // namespace accel

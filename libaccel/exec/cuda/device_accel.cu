@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <any>
-#include <array>
-#include <type_traits>
 #include <vector>
 
 #include "libaccel/core/suggest.h"
 #include "libaccel/exec/cuda/device_memory.cuh"
-#include "libaccel/exec/cuda/trace_kernel.cuh"
-#include "libaccel/exec/cuda/upload.cuh"
+#include "libaccel/exec/cuda/device_method.cuh"
 #include "libaccel/registry/any_accel.h"
+#include "libaccel/registry/methods.h"
 
 namespace accel {
 
@@ -18,86 +16,14 @@ namespace {
 
 using cuda::DeviceArray;
 using cuda::DeviceEvent;
-
-// What a launch works on. The view is a Traverser::View, with pointers to device memory.
-struct Launch {
-  const std::any& view;
-  LaunchPolicy policy;
-  const Ray* rays;
-  std::uint32_t ray_count;
-  Hit* hits;               // for closest
-  std::uint8_t* occluded;  // for any
-  std::uint32_t* next_ray;
-};
-
-using LaunchFunction = Status (*)(const Launch&);
-
-constexpr unsigned blocks_for(std::uint32_t threads) { return (threads + cuda::kBlockSize - 1) / cuda::kBlockSize; }
-
-// As many blocks as run at the same time, but no more than there are rays for.
-template <class Kernel>
-Result<unsigned> resident_blocks(Kernel kernel, std::uint32_t ray_count) {
-  int device = 0, multiprocessors = 0, blocks_each = 0;
-  ACCEL_CUDA_TRY(cudaGetDevice(&device));
-  ACCEL_CUDA_TRY(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
-  ACCEL_CUDA_TRY(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks_each, kernel, cuda::kBlockSize, 0));
-  return std::min(static_cast<unsigned>(multiprocessors) * static_cast<unsigned>(blocks_each), blocks_for(ray_count));
-}
-
-template <class Traverser, class Store>
-Status launch_with(const Launch& launch, const Store& store) {
-  const auto& view = *std::any_cast<typename Traverser::View>(&launch.view);
-  if (launch.policy == LaunchPolicy::grid) {
-    cuda::trace_kernel<Traverser, cuda::GridWork, Store>
-        <<<blocks_for(launch.ray_count), cuda::kBlockSize>>>(view, launch.rays, {launch.ray_count}, store);
-  } else {
-    const auto kernel = cuda::trace_kernel<Traverser, cuda::PersistentWork, Store>;
-    const Result<unsigned> blocks = resident_blocks(kernel, launch.ray_count);
-    if (!blocks) return blocks.error();
-    kernel<<<*blocks, cuda::kBlockSize>>>(view, launch.rays, {launch.ray_count, launch.next_ray}, store);
-  }
-  ACCEL_CUDA_TRY(cudaGetLastError());
-  return Done{};
-}
-
-template <class Method, class Test, Query kQuery>
-Status launch_trace(const Launch& launch) {
-  using Traverser = typename Method::template Traverser<Test, kQuery>;
-  if constexpr (kQuery == Query::closest)
-    return launch_with<Traverser>(launch, cuda::StoreHits{launch.hits});
-  else
-    return launch_with<Traverser>(launch, cuda::StoreOccluded{launch.occluded});
-}
-
-// The kernels of one method, and how its structure comes to the device.
-struct DeviceMethod {
-  std::string name;
-  std::any (*upload)(const AnyStructure&, cuda::Uploader&);                // the view of a structure of the method's kind
-  std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
-};
-
-template <class Method>
-std::any upload_structure(const AnyStructure& any, cuda::Uploader& uploader) {
-  return upload(*any.get_if<typename Method::Structure>(), uploader);
-}
-
-template <class Method>
-DeviceMethod make_device_method() {
-  DeviceMethod result;
-  result.name = Method::name();
-  result.upload = upload_structure<Method>;
-  std::size_t i = 0;
-  TriangleTests::for_each([&](auto tag) {
-    using Test = typename decltype(tag)::type;
-    result.kernels[i++] = {launch_trace<Method, Test, Query::closest>, launch_trace<Method, Test, Query::any>};
-  });
-  return result;
-}
+using cuda::DeviceMethod;
+using cuda::Launch;
+using cuda::LaunchFunction;
 
 const std::vector<DeviceMethod>& device_methods() {
   static const std::vector<DeviceMethod> list = [] {
     std::vector<DeviceMethod> result;
-    Methods::for_each([&](auto tag) { result.push_back(make_device_method<typename decltype(tag)::type>()); });
+    Methods::for_each([&](auto tag) { result.push_back(cuda::make_device_method<typename decltype(tag)::type>()); });
     return result;
   }();
   return list;

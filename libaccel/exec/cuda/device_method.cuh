@@ -1,0 +1,43 @@
+// The kernels of one method, and how its structure comes to the device. The device's twin of registry/method_entry.h, made
+// likewise in an object file of its own.
+#pragma once
+
+#include <any>
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "libaccel/core/hit.h"
+#include "libaccel/core/ray.h"
+#include "libaccel/core/result.h"
+#include "libaccel/exec/cuda/device_accel.h"
+#include "libaccel/exec/cuda/upload.cuh"
+#include "libaccel/registry/any_structure.h"
+#include "libaccel/registry/method.h"
+
+namespace accel::cuda {
+
+// What a launch works on. The view is a Traverser::View, with pointers to device memory.
+struct Launch {
+  const std::any& view;
+  LaunchPolicy policy;
+  const Ray* rays;
+  std::uint32_t ray_count;
+  Hit* hits;               // for closest
+  std::uint8_t* occluded;  // for any
+  std::uint32_t* next_ray;
+};
+
+using LaunchFunction = Status (*)(const Launch&);
+
+struct DeviceMethod {
+  std::string name;
+  std::any (*upload)(const AnyStructure&, Uploader&);                      // the view of a structure of the method's kind
+  std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
+};
+
+// Defined in instantiate_device_method.cuh.
+template <class Method>
+DeviceMethod make_device_method();
+
+}  // namespace accel::cuda

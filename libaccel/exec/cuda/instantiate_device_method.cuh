@@ -1,0 +1,72 @@
+// The definition of make_device_method(): all kernels of one method. Only the sources that the build makes for each method
+// include this (cmake/AccelMethods.cmake).
+#pragma once
+
+#include <algorithm>
+
+#include "libaccel/exec/cuda/device_memory.cuh"
+#include "libaccel/exec/cuda/device_method.cuh"
+#include "libaccel/exec/cuda/trace_kernel.cuh"
+
+namespace accel::cuda {
+
+namespace detail {
+
+constexpr unsigned blocks_for(std::uint32_t threads) { return (threads + kBlockSize - 1) / kBlockSize; }
+
+// As many blocks as run at the same time, but no more than there are rays for.
+template <class Kernel>
+Result<unsigned> resident_blocks(Kernel kernel, std::uint32_t ray_count) {
+  int device = 0, multiprocessors = 0, blocks_each = 0;
+  ACCEL_CUDA_TRY(cudaGetDevice(&device));
+  ACCEL_CUDA_TRY(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
+  ACCEL_CUDA_TRY(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks_each, kernel, kBlockSize, 0));
+  return std::min(static_cast<unsigned>(multiprocessors) * static_cast<unsigned>(blocks_each), blocks_for(ray_count));
+}
+
+template <class Traverser, class Store>
+Status launch_with(const Launch& launch, const Store& store) {
+  const auto& view = *std::any_cast<typename Traverser::View>(&launch.view);
+  if (launch.policy == LaunchPolicy::grid) {
+    trace_kernel<Traverser, GridWork, Store>
+        <<<blocks_for(launch.ray_count), kBlockSize>>>(view, launch.rays, {launch.ray_count}, store);
+  } else {
+    const auto kernel = trace_kernel<Traverser, PersistentWork, Store>;
+    const Result<unsigned> blocks = resident_blocks(kernel, launch.ray_count);
+    if (!blocks) return blocks.error();
+    kernel<<<*blocks, kBlockSize>>>(view, launch.rays, {launch.ray_count, launch.next_ray}, store);
+  }
+  ACCEL_CUDA_TRY(cudaGetLastError());
+  return Done{};
+}
+
+template <class Method, class Test, Query kQuery>
+Status launch_trace(const Launch& launch) {
+  using Traverser = typename Method::template Traverser<Test, kQuery>;
+  if constexpr (kQuery == Query::closest)
+    return launch_with<Traverser>(launch, StoreHits{launch.hits});
+  else
+    return launch_with<Traverser>(launch, StoreOccluded{launch.occluded});
+}
+
+template <class Method>
+std::any upload_structure(const AnyStructure& any, Uploader& uploader) {
+  return upload(*any.get_if<typename Method::Structure>(), uploader);
+}
+
+}  // namespace detail
+
+template <class Method>
+DeviceMethod make_device_method() {
+  DeviceMethod result;
+  result.name = Method::name();
+  result.upload = detail::upload_structure<Method>;
+  std::size_t i = 0;
+  TriangleTests::for_each([&](auto tag) {
+    using Test = typename decltype(tag)::type;
+    result.kernels[i++] = {detail::launch_trace<Method, Test, Query::closest>, detail::launch_trace<Method, Test, Query::any>};
+  });
+  return result;
+}
+
+}  // namespace accel::cuda
