@@ -30,6 +30,10 @@ Status validate(const BuildOptions& options) {
   if (!(options.spatial_overlap >= 0.0f)) return Error{"build option spatial_overlap must be 0 or more"};
   if (!(options.max_duplication >= 0.0f && options.max_duplication <= kMaxDuplication))
     return Error{"build option max_duplication must lie in [0, " + std::to_string(static_cast<int>(kMaxDuplication)) + "]"};
+  if (!(options.empty_bonus >= 0.0f && options.empty_bonus < 1.0f))
+    return Error{"build option empty_bonus must be 0 or more, and less than 1"};
+  if (!(options.max_references >= 1.0f && options.max_references <= kMaxKdReferences))
+    return Error{"build option max_references must lie in [1, " + std::to_string(static_cast<int>(kMaxKdReferences)) + "]"};
   return Done{};
 }
 

@@ -24,11 +24,13 @@ namespace accel {
 inline constexpr int kMaxBins = 64;
 inline constexpr int kMaxBuildDepth = 1024;  // inner nodes on a path: builders recurse
 inline constexpr float kMaxDuplication = 15.0f;
+inline constexpr float kMaxKdReferences = 1024.0f;
 
 struct BuildOptions {
   int threads = 0;  // 0: as many as the machine has
 
-  // The cost model of the surface-area heuristic, in any unit: one step through a two-box node, one triangle test.
+  // The cost model of the surface-area heuristic, in any unit: one step through a node (two boxes, or one plane), one triangle
+  // test.
   float traversal_cost = 1.0f;
   float intersection_cost = 1.0f;
 
@@ -40,6 +42,12 @@ struct BuildOptions {
   // share of the root's area, as long as references stay below (1 + max_duplication) times the triangles.
   float spatial_overlap = 1e-5f;
   float max_duplication = 0.5f;
+
+  // Kd-trees. They need bins and max_leaf_size for nothing: every plane is tried, and leaves end where the cost model says so.
+  // Planes that cut off empty space are made cheaper by this share of their cost.
+  float empty_bonus = 0.2f;
+  // Most references in the leaves, per triangle. Nodes share what there is in proportion to their triangles.
+  float max_references = 16.0f;
 
   Progress progress;
 };

@@ -25,6 +25,16 @@ void for_each_chunk(std::size_t begin, std::size_t end, const Body& body) {
   });
 }
 
+// The same, but calls directly where there is one chunk only.
+template <class Body>
+void for_chunks(std::size_t begin, std::size_t end, const Body& body) {
+  if (end - begin <= kChunk) {
+    body(std::size_t{0}, begin, end);
+  } else {
+    for_each_chunk(begin, end, body);
+  }
+}
+
 // The sum, by operator +=, of body(begin, end) over the chunks of [begin, end), or of the whole where it is small.
 template <class Value, class Body>
 Value reduce_chunks(std::size_t begin, std::size_t end, const Body& body) {

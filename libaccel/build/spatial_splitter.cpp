@@ -37,16 +37,6 @@ int slabs_for(std::size_t n, const BuildOptions& options) {
   return static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(std::min(options.bins, kMaxSpatialBins)), 4 + n / 4));
 }
 
-// Calls body(chunk, begin, end) for chunks of [begin, end), concurrently where there are several.
-template <class Body>
-void for_chunks(std::size_t begin, std::size_t end, const Body& body) {
-  if (end - begin <= kChunk) {
-    body(std::size_t{0}, begin, end);
-  } else {
-    for_each_chunk(begin, end, body);
-  }
-}
-
 // Moves references[begin, end) up by `distance`, without keeping their order.
 void move_up(Reference* references, std::size_t begin, std::size_t end, std::size_t distance) {
   const std::size_t moved = std::min(distance, end - begin);

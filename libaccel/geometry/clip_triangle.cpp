@@ -1,5 +1,6 @@
 #include "libaccel/geometry/clip_triangle.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace accel {
@@ -16,19 +17,37 @@ void ClippedPolygon::clip(const Aabb& box) {
 
 void ClippedPolygon::clip(int axis, double position, double sign) {
   const int size = size_;
+  double height[kMaxPoints];
+  int kept = 0;
+  for (int i = 0; i < size; ++i) {
+    height[i] = sign * (points_[i].at[axis] - position);
+    kept += height[i] >= 0 ? 1 : 0;
+  }
+  if (kept == size) return;
+  size_ = 0;
+  if (kept == 0) return;
+
   Point in[kMaxPoints];
   for (int i = 0; i < size; ++i) in[i] = points_[i];
-  size_ = 0;
   for (int i = 0; i < size; ++i) {
-    const Point &p = in[i], &q = in[i + 1 == size ? 0 : i + 1];
-    const double height_p = sign * (p.at[axis] - position), height_q = sign * (q.at[axis] - position);
-    if (height_p >= 0 && size_ < kMaxPoints) points_[size_++] = p;
-    if ((height_p >= 0) == (height_q >= 0) || size_ == kMaxPoints) continue;
-    const double t = height_p / (height_p - height_q);
+    const int next = i + 1 == size ? 0 : i + 1;
+    const Point &p = in[i], &q = in[next];
+    if (height[i] >= 0 && size_ < kMaxPoints) points_[size_++] = p;
+    if ((height[i] >= 0) == (height[next] >= 0) || size_ == kMaxPoints) continue;
+    const double t = height[i] / (height[i] - height[next]);
     Point& crossing = points_[size_++];
     for (int a = 0; a < 3; ++a) crossing.at[a] = p.at[a] + t * (q.at[a] - p.at[a]);
     crossing.at[axis] = position;
   }
+}
+
+ClippedPolygon::Range ClippedPolygon::range(int axis) const {
+  Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (int i = 0; i < size_; ++i) {
+    range.lo = std::min(range.lo, points_[i].at[axis]);
+    range.hi = std::max(range.hi, points_[i].at[axis]);
+  }
+  return range;
 }
 
 double ClippedPolygon::area() const {

@@ -1,0 +1,39 @@
+// Where to split a node of a kd-tree: the sweep of the surface-area heuristic over the sorted events of a set.
+//
+// Wald and Havran 2006, section 3 (cost model, termination) and 4.2 (sweep). The expected cost of a ray in a node that is split
+// at a plane is
+//
+//     traversal_cost + intersection_cost * (area(lower) * below + area(upper) * above) / area(node)
+//
+// times (1 - empty_bonus) where one side is empty. The counts are those of the padded boxes; every event's position is tried.
+#pragma once
+
+#include <limits>
+
+#include "libaccel/build/kdtree_events.h"
+
+namespace accel {
+
+struct KdCosts {
+  double traversal, intersection, empty_bonus;
+};
+
+struct KdPlane {
+  int axis = 0;
+  float position = 0;
+  double cost = std::numeric_limits<double>::infinity();  // as above, times the node's half area
+
+  bool found() const { return cost < std::numeric_limits<double>::infinity(); }
+};
+
+inline double half_area(const Aabb& cell) {
+  const double x = static_cast<double>(cell.hi.x) - cell.lo.x, y = static_cast<double>(cell.hi.y) - cell.lo.y,
+               z = static_cast<double>(cell.hi.z) - cell.lo.z;
+  return x * (y + z) + y * z;
+}
+
+// The cheapest plane strictly within the set's cell that makes at most set.limit references of it. Of equals, the first axis
+// and the lowest plane. O(n), on several threads where the set is large.
+KdPlane cheapest_plane(const KdSet& set, const KdCosts& costs);
+
+}  // namespace accel
