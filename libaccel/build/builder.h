@@ -63,10 +63,17 @@ struct BuildPhase {
   double seconds = 0;
 };
 
+// A decision of the build that users may want explained: something left out, or added for the method's sake.
+struct BuildNote {
+  std::string what;  // "parents and boxes"
+  std::string why;   // "skipped: kdtree/stack does not read them"
+};
+
 struct BuildReport {
   double seconds = 0;              // wall time of the whole build
   std::vector<BuildPhase> phases;  // parts of it, in order
   Skipped skipped;
+  std::vector<BuildNote> notes;
   std::uint64_t triangles = 0;   // in the structure, each counted once
   std::uint64_t references = 0;  // in the leaves; triangles * (1 + duplication)
   std::uint64_t peak_bytes = 0;  // the most memory that the build held at once, the finished structure included

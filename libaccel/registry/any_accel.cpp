@@ -101,6 +101,8 @@ Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method,
   if (!entry) return entry.error();
   const Status fits = (*entry)->check(structure, (*entry)->info);
   if (!fits) return fits.error();
+  const Status annotated = (*entry)->annotate(structure, (*entry)->info, report);
+  if (!annotated) return annotated.error();
   return AnyAccel(std::make_shared<const State>(State{std::move(structure), std::move(report), *entry}));
 }
 

@@ -56,7 +56,7 @@ class AnyAccel {
   static Result<AnyAccel> build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options = {});
 
   // Binds a structure that exists, from a file say, to a method that traces structures of its kind. `report` tells how it was
-  // built.
+  // built. Optional arrays that the method reads and the structure lacks are made, on all threads, and reported.
   static Result<AnyAccel> bind(AnyStructure structure, std::string_view method, BuildReport report = {});
 
   // Fails if the traverser cannot trace this structure: wrong kind, or too deep for its stack.

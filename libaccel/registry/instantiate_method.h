@@ -7,6 +7,7 @@
 
 #include "libaccel/exec/cpu.h"
 #include "libaccel/exec/simt.h"
+#include "libaccel/registry/annotate.h"
 #include "libaccel/registry/method_entry.h"
 
 namespace accel {
@@ -65,9 +66,20 @@ Status check_structure(const AnyStructure& structure, const MethodInfo& info) {
   return Done{};
 }
 
+// The structure's other holders keep it as it is: only the copy here gets the arrays, and shares all others with it.
+template <class Method>
+Status annotate_structure(AnyStructure& any, const MethodInfo& info, BuildReport& report) {
+  using Traverser = typename Method::template Traverser<Watertight, Query::closest>;
+  auto structure = *any.get_if<typename Method::Structure>();
+  const bool changes = lacks_extras<Traverser>(structure);
+  const Status status = annotate<Traverser>(structure, info.name, 0, report);
+  if (status && changes) any = AnyStructure(std::move(structure));
+  return status;
+}
+
 template <class Method>
 Result<AnyAccel> build_method(const TriangleMesh& mesh, const MethodInfo& info, const BuildOptions& options) {
-  auto built = Method::Builder::build(mesh, options);
+  auto built = build_for<Method>(mesh, options);
   if (!built) return built.error();
   return AnyAccel::bind(AnyStructure(std::move(built->structure)), info.name, std::move(built->report));
 }
@@ -80,6 +92,7 @@ MethodEntry make_method_entry() {
   entry.info = {Method::name(), Method::Builder::kName, Method::kTraverserName, Method::Structure::kName, Method::kExhaustive};
   entry.build = detail::build_method<Method>;
   entry.check = detail::check_structure<Method>;
+  entry.annotate = detail::annotate_structure<Method>;
   std::size_t i = 0;
   TriangleTests::for_each(
       [&](auto test) { entry.tests[i++] = detail::make_test_entry<Method, typename decltype(test)::type>(); });

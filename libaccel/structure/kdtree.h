@@ -59,7 +59,7 @@ struct LeafRopes {
 static_assert(sizeof(LeafRopes) == 48 && std::is_trivially_copyable_v<LeafRopes>);
 
 // Arrays beyond nodes and leaves; a traverser names those that it reads as `static constexpr KdExtras kNeeds`.
-enum class KdExtras : std::uint8_t { none, parents_and_boxes, ropes };
+enum class KdExtras : std::uint8_t { parents_and_boxes, ropes };
 
 // What a traverser needs, passed to kernels by value.
 struct KdTreeView {
@@ -88,10 +88,12 @@ struct KdTree {
   Buffer<Aabb> cells;
   Buffer<LeafRopes> ropes;
 
-  bool has(KdExtras extras) const {
-    if (nodes.empty() || extras == KdExtras::none) return true;
-    return extras == KdExtras::ropes ? !ropes.empty() : !parents.empty();
+  // What may be annotated: see registry/annotate.h.
+  static constexpr KdExtras kExtras[] = {KdExtras::parents_and_boxes, KdExtras::ropes};
+  static constexpr const char* extras_name(KdExtras extras) {
+    return extras == KdExtras::ropes ? "ropes" : "parents and boxes";
   }
+  bool has(KdExtras extras) const { return nodes.empty() || (extras == KdExtras::ropes ? !ropes.empty() : !parents.empty()); }
   std::size_t size_bytes() const {
     return nodes.size_bytes() + leaves.size_bytes() + parents.size_bytes() + cells.size_bytes() + ropes.size_bytes();
   }

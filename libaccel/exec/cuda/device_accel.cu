@@ -115,10 +115,11 @@ struct DeviceAccel::State {
 Result<DeviceAccel> DeviceAccel::upload(const AnyStructure& structure, std::string_view method) {
   const auto found = find_device_method(method);
   if (!found) return found.error();
-  if (const auto bound = AnyAccel::bind(structure, method); !bound) return bound.error();
+  const auto bound = AnyAccel::bind(structure, method);
+  if (!bound) return bound.error();
   if (const auto device = cuda_device_info(); !device) return device.error();
   cuda::Uploader uploader;
-  std::any view = (*found)->upload(structure, uploader);
+  std::any view = (*found)->upload(bound->structure(), uploader);  // with what the method reads
   if (const Status s = uploader.status(); !s) return s.error();
   const std::size_t bytes = uploader.bytes();
   return DeviceAccel(std::make_shared<const State>(State{*found, std::move(view), uploader.take_copies(), bytes}));

@@ -11,6 +11,7 @@
 #include "libaccel/core/buffer.h"
 #include "libaccel/exec/cuda/device_memory.cuh"
 #include "libaccel/structure/bvh2.h"
+#include "libaccel/structure/kdtree.h"
 #include "libaccel/structure/triangle_list.h"
 
 namespace accel::cuda {
@@ -44,6 +45,15 @@ class Uploader {
 
 inline Bvh2View upload(const Bvh2& bvh, Uploader& device) {
   return {device.copy(bvh.nodes), device.copy(bvh.leaves), bvh.root};
+}
+
+inline KdTreeView upload(const KdTree& tree, Uploader& device) {
+  return {device.copy(tree.nodes),
+          {device.copy(tree.leaves.triangles), device.copy(tree.leaves.references)},
+          tree.bounds,
+          device.copy(tree.parents),
+          device.copy(tree.cells),
+          device.copy(tree.ropes)};
 }
 
 inline TriangleListView upload(const TriangleList& list, Uploader& device) { return {device.copy(list.leaves)}; }

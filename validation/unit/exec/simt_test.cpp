@@ -8,6 +8,7 @@
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/triangle_mesh.h"
 #include "libaccel/rays/ray_sets.h"
+#include "libaccel/registry/annotate.h"
 #include "libaccel/registry/methods.h"
 #include "scenes/procedural.h"
 
@@ -148,7 +149,7 @@ void expect_cpu_hits(const typename Traverser::View& view, std::span<const Ray> 
 template <class Method, class TriangleTest>
 void expect_cpu_hits_of(const TriangleMesh& mesh, std::span<const Ray> rays) {
   SCOPED_TRACE(Method::name() + " " + TriangleTest::kName);
-  const auto built = Method::Builder::build(mesh, {});
+  const auto built = build_for<Method>(mesh, {});
   ASSERT_TRUE(built.ok()) << built.message();
   const auto view = built->structure.view();
   expect_cpu_hits<typename Method::template Traverser<TriangleTest, Query::closest>>(view, rays);

@@ -6,6 +6,7 @@
 
 #include "libaccel/exec/cpu.h"
 #include "libaccel/rays/ray_sets.h"
+#include "libaccel/registry/annotate.h"
 #include "libaccel/registry/methods.h"
 #include "scenes/procedural.h"
 #include "validation/unit/exec/warp_emulator.h"
@@ -66,7 +67,7 @@ TEST(TraceKernel, AnswersAreTheCpusForEveryMethod) {
   ASSERT_TRUE(scene.ok()) << scene.message();
   Methods::for_each([&](auto tag) {
     using Method = typename decltype(tag)::type;
-    const auto built = Method::Builder::build(scene->mesh, {});
+    const auto built = build_for<Method>(scene->mesh, {});
     ASSERT_TRUE(built.ok()) << built.message();
     for (const std::size_t count : {1, 33, 150}) expect_cpu_answers<Method>(built->structure.view(), uneven_rays(count));
   });

@@ -9,6 +9,7 @@
 
 #include "libaccel/exec/cpu.h"
 #include "libaccel/exec/simt.h"
+#include "libaccel/registry/annotate.h"
 #include "libaccel/registry/structures.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
@@ -83,7 +84,7 @@ TEST(Methods, ANewTraverserIsOneTypeAndOneLine) {
     using M = typename decltype(tag)::type;
     using Closest = typename M::template Traverser<Watertight, Query::closest>;
     using Any = typename M::template Traverser<Watertight, Query::any>;
-    const auto built = M::Builder::build(mesh, {});
+    const auto built = build_for<M>(mesh, {});
     ASSERT_TRUE(built) << built.message();
     std::vector<Hit> hits(rays.size()), simulated(rays.size());
     std::vector<std::uint8_t> occluded(rays.size());
