@@ -17,6 +17,9 @@ struct Counters {
   std::uint64_t backtracks = 0;              // steps back towards postponed nodes
   std::uint64_t bytes[kMemoryClasses] = {};  // loaded and stored, by Memory class
 
+  // Nodes visited and triangles tested.
+  constexpr std::uint64_t steps() const { return node_steps + triangle_tests; }
+
   Counters& operator+=(const Counters& other) {
     rays += other.rays, node_steps += other.node_steps, leaf_visits += other.leaf_visits, box_tests += other.box_tests;
     triangle_tests += other.triangle_tests, backtracks += other.backtracks;
@@ -24,6 +27,40 @@ struct Counters {
     return *this;
   }
 };
+
+// What can be told of single rays.
+enum class RayCounter : std::uint8_t { steps, down, up, leaves, triangles, boxes };
+inline constexpr int kRayCounters = 6;
+
+// "steps", "down", ...
+constexpr const char* counter_name(RayCounter counter) {
+  constexpr const char* kNames[kRayCounters] = {"steps", "down", "up", "leaves", "triangles", "boxes"};
+  return kNames[static_cast<int>(counter)];
+}
+
+// What it counts, for the legend of a picture.
+constexpr const char* counter_unit(RayCounter counter) {
+  constexpr const char* kUnits[kRayCounters] = {"steps", "steps down", "steps back", "leaves", "triangle tests", "box tests"};
+  return kUnits[static_cast<int>(counter)];
+}
+
+constexpr std::uint64_t value_of(const Counters& counters, RayCounter counter) {
+  switch (counter) {
+    case RayCounter::down:
+      return counters.node_steps;
+    case RayCounter::up:
+      return counters.backtracks;
+    case RayCounter::leaves:
+      return counters.leaf_visits;
+    case RayCounter::triangles:
+      return counters.triangle_tests;
+    case RayCounter::boxes:
+      return counters.box_tests;
+    case RayCounter::steps:
+      break;
+  }
+  return counters.steps();
+}
 
 // The observer that counts for one ray or for many.
 struct CountingObserver {

@@ -1,7 +1,7 @@
 // Runs a traverser over a batch of rays on the CPU: one task a block of rays, oneTBB between them.
 //
-// With one thread, oneTBB is not involved: that is the honest single-threaded measurement. Results do not depend on the number of
-// threads or on the block size.
+// With one thread, oneTBB is not involved: that is the honest single-threaded measurement. Results do not depend on the number
+// of threads or on the block size.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -56,9 +56,10 @@ void trace_any(const typename Traverser::View& view, std::span<const Ray> rays, 
   });
 }
 
-// Traces and counts. steps[i], when asked for (else empty), is the number of nodes visited and triangles tested by rays[i].
+// Traces and counts. values[i], when asked for (else empty), is one of the counters of rays[i].
 template <class Traverser>
-Counters count_rays(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint32_t> steps, int threads) {
+Counters count_rays(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint32_t> values,
+                    int threads, RayCounter counter = RayCounter::steps) {
   tbb::combinable<Counters> sums;
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
     Counters& sum = sums.local();
@@ -67,7 +68,7 @@ Counters count_rays(const typename Traverser::View& view, std::span<const Ray> r
       trace_ray<Traverser>(view, rays[i], observer);
       observer.counters.rays = 1;
       sum += observer.counters;
-      if (!steps.empty()) steps[i] = static_cast<std::uint32_t>(observer.counters.node_steps + observer.counters.triangle_tests);
+      if (!values.empty()) values[i] = static_cast<std::uint32_t>(value_of(observer.counters, counter));
     }
   });
   Counters total;

@@ -125,13 +125,13 @@ Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occ
 Hit AnyAccel::closest(const Ray& ray) const { return state_->entry->tests[0].closest_one(state_->structure, ray); }
 bool AnyAccel::occluded(const Ray& ray) const { return state_->entry->tests[0].occluded_one(state_->structure, ray); }
 
-Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps,
-                                 const TraceOptions& options) const {
+Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
+                                 const TraceOptions& options, RayCounter counter) const {
   const auto test = find_test(options.test);
   if (!test) return test.error();
-  if (!steps.empty())
-    if (Status s = same_size(rays, steps); !s) return s.error();
-  return state_->entry->tests[*test].count(state_->structure, rays, query, steps, options.threads);
+  if (!values.empty())
+    if (Status s = same_size(rays, values); !s) return s.error();
+  return state_->entry->tests[*test].count(state_->structure, rays, query, values, options.threads, counter);
 }
 
 Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query query, const SimtOptions& simt,
@@ -139,6 +139,15 @@ Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query quer
   const auto test = find_test(options.test);
   if (!test) return test.error();
   return state_->entry->tests[*test].simt(state_->structure, rays, query, simt, options.threads);
+}
+
+Result<MultipassProfile> AnyAccel::trace_multipass(std::span<const Ray> rays, Query query, std::span<Hit> hits,
+                                                   const MultipassOptions& multipass, const TraceOptions& options) const {
+  const auto test = find_test(options.test);
+  if (!test) return test.error();
+  if (!hits.empty())
+    if (Status s = same_size(rays, hits); !s) return s.error();
+  return state_->entry->tests[*test].multipass(state_->structure, rays, query, hits, multipass, options.threads);
 }
 
 const MethodInfo& AnyAccel::method() const { return state_->entry->info; }

@@ -15,6 +15,7 @@
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/exec/counters.h"
+#include "libaccel/exec/multipass_profile.h"
 #include "libaccel/exec/simt_profile.h"
 #include "libaccel/registry/any_structure.h"
 
@@ -70,13 +71,18 @@ class AnyAccel {
   Hit closest(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
-  // What the rays cost. steps, unless empty, gets one number a ray: inner nodes visited plus triangles tested.
-  Result<Counters> count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps = {},
-                         const TraceOptions& options = {}) const;
+  // What the rays cost. values, unless empty, gets one number a ray: what `counter` says.
+  Result<Counters> count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values = {},
+                         const TraceOptions& options = {}, RayCounter counter = RayCounter::steps) const;
 
   // What the rays would cost on a machine with 32-wide warps: see exec/simt.h.
   Result<SimtProfile> profile_simt(std::span<const Ray> rays, Query query, const SimtOptions& simt = {},
                                    const TraceOptions& options = {}) const;
+
+  // The same rays as streams through small kernels: see exec/multipass.h. hits[i] answers rays[i], as closest() does, and tells
+  // no more than valid() or not for any-hit queries; an empty span if the profile is all that is wanted.
+  Result<MultipassProfile> trace_multipass(std::span<const Ray> rays, Query query, std::span<Hit> hits = {},
+                                           const MultipassOptions& multipass = {}, const TraceOptions& options = {}) const;
 
   const MethodInfo& method() const;
   const AnyStructure& structure() const;

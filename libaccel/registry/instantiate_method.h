@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libaccel/exec/cpu.h"
+#include "libaccel/exec/multipass.h"
 #include "libaccel/exec/simt.h"
 #include "libaccel/registry/annotate.h"
 #include "libaccel/registry/method_entry.h"
@@ -41,13 +42,19 @@ TestEntry make_test_entry() {
     NullObserver observer;
     return trace_ray<Any>(view_of<Method>(s), ray, observer).valid();
   };
-  entry.count = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps, int threads) {
-    return query == Query::closest ? count_rays<Closest>(view_of<Method>(s), rays, steps, threads)
-                                   : count_rays<Any>(view_of<Method>(s), rays, steps, threads);
+  entry.count = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> values, int threads,
+                   RayCounter counter) {
+    return query == Query::closest ? count_rays<Closest>(view_of<Method>(s), rays, values, threads, counter)
+                                   : count_rays<Any>(view_of<Method>(s), rays, values, threads, counter);
   };
   entry.simt = [](const AnyStructure& s, std::span<const Ray> rays, Query query, const SimtOptions& options, int threads) {
     return query == Query::closest ? simulate_simt<Closest>(view_of<Method>(s), rays, {}, options, threads)
                                    : simulate_simt<Any>(view_of<Method>(s), rays, {}, options, threads);
+  };
+  entry.multipass = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
+                       const MultipassOptions& options, int threads) {
+    return query == Query::closest ? trace_multipass<Closest>(view_of<Method>(s), rays, hits, options, threads)
+                                   : trace_multipass<Any>(view_of<Method>(s), rays, hits, options, threads);
   };
   return entry;
 }

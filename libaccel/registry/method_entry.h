@@ -20,8 +20,10 @@ struct TestEntry {
   void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, int threads);
   Hit (*closest_one)(const AnyStructure&, const Ray&);
   bool (*occluded_one)(const AnyStructure&, const Ray&);
-  Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t> steps, int threads);
+  Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t>, int threads, RayCounter);
   SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, const SimtOptions&, int threads);
+  MultipassProfile (*multipass)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const MultipassOptions&,
+                                int threads);
 };
 
 struct MethodEntry {

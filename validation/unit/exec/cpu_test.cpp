@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <numeric>
 #include <vector>
 
 #include "libaccel/build/triangle_list.h"
@@ -77,6 +78,16 @@ TEST_F(Cpu, StepsAddUp) {
   for (const std::uint32_t s : steps) sum += s;
   EXPECT_EQ(sum, counters.node_steps + counters.triangle_tests);
   EXPECT_LT(counters.triangle_tests, rays_.size() * mesh_.size()) << "any hit stops at the first";
+}
+
+TEST_F(Cpu, EveryCounterOfSingleRaysAddsUp) {
+  std::vector<std::uint32_t> values(rays_.size());
+  for (int c = 0; c < kRayCounters; ++c) {
+    const auto counter = static_cast<RayCounter>(c);
+    const Counters counters = count_rays<Closest>(list_.view(), rays_, values, 2, counter);
+    EXPECT_EQ(std::accumulate(values.begin(), values.end(), std::uint64_t{0}), value_of(counters, counter))
+        << counter_name(counter);
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <set>
 
 #include "libaccel/structure/bvh2.h"
@@ -127,6 +128,24 @@ TEST(AnyAccel, ChecksSpansAndTestNames) {
   ASSERT_FALSE(unknown);
   EXPECT_THAT(unknown.message(), HasSubstr("did you mean 'watertight'"));
   EXPECT_TRUE(accel.closest(std::span<const Ray>(), std::span<Hit>()));
+}
+
+TEST(AnyAccel, MultipassAnswersAsClosestDoes) {
+  const std::vector<Ray> rays = {{.org = {0.25f, 0.25f, 1}, .dir = {0, 0, -1}}, {.org = {2, 2, 1}, .dir = {0, 0, -1}}};
+  for (const MethodInfo& info : methods()) {
+    const AnyAccel accel = build(info.name.c_str());
+    std::vector<Hit> expected(2), hits(2), any(2), too_few(1);
+    ASSERT_TRUE(accel.closest(rays, expected));
+    ASSERT_TRUE(accel.trace_multipass(rays, Query::closest, hits));
+    ASSERT_TRUE(accel.trace_multipass(rays, Query::any, any));
+    EXPECT_EQ(std::memcmp(hits.data(), expected.data(), sizeof(Hit) * hits.size()), 0) << info.name;
+    EXPECT_TRUE(any[0].valid() && !any[1].valid()) << info.name;
+    const auto profile = accel.trace_multipass(rays, Query::closest);
+    ASSERT_TRUE(profile) << profile.message();
+    EXPECT_EQ(profile->of(MultipassKernel::intersect).rays, accel.count(rays, Query::closest)->triangle_tests) << info.name;
+    EXPECT_FALSE(accel.trace_multipass(rays, Query::closest, too_few));
+    EXPECT_FALSE(accel.trace_multipass(rays, Query::closest, {}, {}, {.test = "watertite"}));
+  }
 }
 
 TEST(AnyAccel, CopiesShareTheirStructure) {
