@@ -4,6 +4,7 @@
 #include "apps/common/listing.h"
 #include "apps/common/output.h"
 #include "apps/common/program.h"
+#include "apps/common/thread_limit.h"
 
 namespace accel::apps {
 
@@ -16,6 +17,7 @@ Outcome<ExitStatus> build(int argc, char** argv, Terminal& terminal) {
   if (!settings->help.empty()) return answer(terminal, settings->help);
   if (settings->list) return answer(terminal, listing());
 
+  const ThreadLimit thread_limit(settings->common.threads);
   ProgressBar bar(settings->common.progress, terminal.quiet());
   const auto report = run_build(*settings, bar);
   bar.clear();

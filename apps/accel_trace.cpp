@@ -4,6 +4,7 @@
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
 #include "apps/common/text.h"
+#include "apps/common/thread_limit.h"
 #include "apps/common/trace_options.h"
 #include "apps/common/trace_run.h"
 
@@ -26,6 +27,7 @@ Outcome<ExitStatus> trace(int argc, char** argv, Terminal& terminal) {
   if (!settings->help.empty()) return answer(terminal, settings->help);
   if (settings->list) return answer(terminal, listing());
 
+  const ThreadLimit thread_limit(settings->common.threads);
   ProgressBar bar(settings->common.progress, terminal.quiet());
   const auto report = run_trace(*settings, terminal, bar);
   bar.clear();

@@ -23,7 +23,8 @@ constexpr const char* kExamples =
     "  accel-build scene.ply -o scene.accel --for sbvh/stack  whatever this method traces\n"
     "  accel-build builtin:hairball:1M --stats                quality only: nothing is written\n"
     "\n"
-    "Exit status: 0 all is well, 1 bad input or failure, 2 bad command line, 130 interrupted.";
+    "Exit status: 0 all is well, 1 bad input or failure, 2 bad command line, 130 interrupted\n"
+    "(143 by SIGTERM).";
 
 // The builders of all methods, each once.
 std::vector<std::string_view> builders() {

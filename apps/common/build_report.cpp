@@ -42,9 +42,11 @@ std::string phases_text(const BuildReport& build) {
 
 std::string left_out_text(const Skipped& skipped) {
   std::vector<std::string> parts;
-  if (skipped.zero_area > 0) parts.push_back(counted(skipped.zero_area, "triangle") + ", because they have no area");
+  if (skipped.zero_area > 0)
+    parts.push_back(counted(skipped.zero_area, "triangle") + ", because " + it_has(skipped.zero_area) + " no area");
   if (skipped.out_of_range > 0)
-    parts.push_back(counted(skipped.out_of_range, "triangle") + ", because a coordinate is not finite or too large");
+    parts.push_back(counted(skipped.out_of_range, "triangle") + ", because " + it_has(skipped.out_of_range) +
+                    " a coordinate that is not finite or too large");
   std::string text;
   for (const std::string& part : parts) text += "  skipped: " + part + "\n";
   return text;

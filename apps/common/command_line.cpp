@@ -12,6 +12,9 @@ namespace accel::apps {
 
 namespace {
 
+// More are a mistake, and some machines refuse to start them.
+constexpr std::uint64_t kMaxThreads = 1024;
+
 // The whole of `text` as a number.
 template <class Number>
 bool parse_whole(const std::string& text, Number& number) {
@@ -90,7 +93,7 @@ void add_common_options(CLI::App& app, CommonSettings& settings) {
          "--version", [] {}, "show versions and optional parts, and exit")
       ->group("General");
   app.add_option("--threads", settings.threads, "threads to use; 0: as many as the machine has")
-      ->check(whole_number(0, 4096))
+      ->check(whole_number(0, kMaxThreads))
       ->capture_default_str()
       ->type_name("N")
       ->group("General");

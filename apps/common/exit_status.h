@@ -10,6 +10,7 @@ enum class ExitStatus : int {
   mismatch = 3,       // verification found a wrong answer
   unavailable = 5,    // a backend is not built in, or there is no device for it
   interrupted = 130,  // by SIGINT
+  terminated = 143,   // by SIGTERM
 };
 
 }  // namespace accel::apps

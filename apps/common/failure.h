@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "apps/common/exit_status.h"
+#include "apps/common/interrupt.h"
 #include "libaccel/core/progress.h"
 #include "libaccel/core/result.h"
 
@@ -19,7 +20,7 @@ struct Failure {
 
   // A library error: an interruption, or a failed run.
   Failure(const Error& error)
-      : status(error.message == kInterrupted ? ExitStatus::interrupted : ExitStatus::error), message(error.message) {}
+      : status(error.message == kInterrupted ? interruption_status() : ExitStatus::error), message(error.message) {}
 };
 
 // A value, or the reason to stop. As Result, with an exit status.

@@ -36,7 +36,7 @@ struct Engine {
   std::function<Result<double>(std::span<const Ray>, std::span<Hit>)> closest;
   std::function<Result<double>(std::span<const Ray>, std::span<std::uint8_t>)> occluded;
 
-  // Batches are cut into calls, so that progress is seen and SIGINT obeyed. The untimed pass finds the size.
+  // Batches are cut into calls, so that progress is seen and interruptions are obeyed. The untimed pass finds the size.
   std::size_t rays_per_call = kFirstCall;
 
   static constexpr std::size_t kFirstCall = 1 << 12, kLongestCall = 1 << 20;

@@ -1,7 +1,7 @@
 // A progress bar on standard error, and the Progress callback that moves it.
 //
-// Automatic bars appear only on terminals, and only once a phase has taken a second. The callback also carries SIGINT into the
-// library: it returns false after one.
+// Automatic bars appear only on terminals, and only once a phase has taken a second. The callback also carries interruptions
+// into the library: it returns false after one.
 #pragma once
 
 #include <chrono>

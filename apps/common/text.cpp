@@ -56,6 +56,8 @@ std::string counted(std::uint64_t count, std::string_view noun) {
   return with_commas(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
 }
 
+std::string it_has(std::uint64_t count) { return count == 1 ? "it has" : "they have"; }
+
 std::vector<std::string> split(std::string_view text, char separator) {
   constexpr std::string_view kSpace = " \t\r\n";
   std::vector<std::string> parts;

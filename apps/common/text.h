@@ -26,6 +26,9 @@ std::string seconds_text(double seconds);
 // "1 ray", "2 rays".
 std::string counted(std::uint64_t count, std::string_view noun);
 
+// What goes on about counted things: "it has", "they have".
+std::string it_has(std::uint64_t count);
+
 // The parts of `text` between separators, without white space at their ends. Empty parts are kept.
 std::vector<std::string> split(std::string_view text, char separator);
 

@@ -34,7 +34,7 @@ constexpr const char* kExamples =
     "  accel-trace scene.ply --profile simt --json -      for scripts, in Google Benchmark's shape\n"
     "\n"
     "Exit status: 0 all is well, 1 bad input or failure, 2 bad command line, 3 a wrong hit was found,\n"
-    "5 a backend is not built in or has no device, 130 interrupted.";
+    "5 a backend is not built in or has no device, 130 interrupted (143 by SIGTERM).";
 
 // The command line as typed, before names are looked up.
 struct RawOptions {

@@ -63,9 +63,10 @@ class TraceRun {
   void describe_skipped_triangles() {
     const MeshFacts& facts = scene_.facts;
     if (facts.zero_area > 0)
-      report_.skipped.push_back({counted(facts.zero_area, "triangle"), "they have no area, and no ray can hit them"});
+      report_.skipped.push_back({counted(facts.zero_area, "triangle"), it_has(facts.zero_area) + " no area"});
     if (facts.out_of_range > 0)
-      report_.skipped.push_back({counted(facts.out_of_range, "triangle"), "a coordinate is not finite or too large"});
+      report_.skipped.push_back({counted(facts.out_of_range, "triangle"),
+                                 it_has(facts.out_of_range) + " a coordinate that is not finite or too large"});
   }
 
   void describe_structures(const MethodSet& set, const Checker& checker) {

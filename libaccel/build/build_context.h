@@ -13,6 +13,7 @@
 #include <tbb/task_arena.h>
 
 #include "libaccel/build/builder.h"
+#include "libaccel/core/threads.h"
 
 namespace accel {
 
@@ -60,9 +61,7 @@ Status validate(const BuildOptions& options);
 class BuildContext {
  public:
   BuildContext(const TriangleMesh& mesh_to_build, const BuildOptions& build_options)
-      : mesh(mesh_to_build),
-        options(build_options),
-        arena(build_options.threads > 0 ? build_options.threads : tbb::task_arena::automatic) {}
+      : mesh(mesh_to_build), options(build_options), arena(arena_size(build_options.threads)) {}
 
   void begin_phase(std::string name);
   // Ends the last phase and closes the report.

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 
+#include "libaccel/core/threads.h"
 #include "libaccel/exec/counters.h"
 #include "libaccel/exec/drive.h"
 
@@ -32,7 +33,7 @@ void for_each_block(std::size_t count, int threads, const Body& body, std::size_
                       [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); });
   };
   if (threads == 0) return run();
-  tbb::task_arena arena(threads);
+  tbb::task_arena arena(arena_size(threads));
   arena.execute(run);
 }
 

@@ -263,7 +263,7 @@ MultipassProfile trace_multipass(const typename Traverser::View& view, std::span
   if (threads <= 1) {
     run();
   } else {
-    tbb::task_arena arena(threads);
+    tbb::task_arena arena(arena_size(threads));
     arena.execute(run);
   }
   return batch.profile();

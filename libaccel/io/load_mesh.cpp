@@ -29,6 +29,8 @@ bool is_mesh_file_name(const std::filesystem::path& path) { return parser_for(pa
 Result<TriangleMesh> load_mesh(const std::filesystem::path& path, const LoadOptions& options) {
   const std::string name = path.string();
   const Parser parse = parser_for(path);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return Error{"'" + name + "' is a folder; name a scene file in it"};
   if (parse == nullptr) return Error{"'" + name + "' is not named like a scene: .obj, .ply, .obj.zst and .ply.zst can be read"};
   try {
     const Result<InputBytes> input = read_input(path, options.progress);

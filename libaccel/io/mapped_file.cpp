@@ -32,6 +32,7 @@ Result<std::shared_ptr<MappedFile>> MappedFile::open(const std::filesystem::path
 
   struct stat status;
   if (::fstat(file.value, &status) != 0) return system_error(path, "cannot read", errno);
+  if (S_ISDIR(status.st_mode)) return Error{path.string() + ": is a folder"};
   if (!S_ISREG(status.st_mode)) return Error{path.string() + ": is not a regular file"};
 
   // There are no empty mappings.

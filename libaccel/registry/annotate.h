@@ -22,6 +22,7 @@
 #include "libaccel/build/builder.h"
 #include "libaccel/build/kdtree_extras.h"
 #include "libaccel/core/hit.h"
+#include "libaccel/core/threads.h"
 #include "libaccel/geometry/watertight.h"
 
 namespace accel {
@@ -55,7 +56,7 @@ bool lacks_extras(const Structure& structure) {
 template <class Traverser, class Structure>
 Status annotate(Structure& structure, const std::string& method, int threads, BuildReport& report) {
   if constexpr (HasExtras<Structure>) {
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+    tbb::task_arena arena(arena_size(threads));
     for (const auto extras : Structure::kExtras) {
       const std::string name = Structure::extras_name(extras);
       if (structure.has(extras)) continue;

@@ -122,6 +122,7 @@ test_bad_numbers_name_the_flag() {
   done
   usage_error trace --seed -1; says err --seed
   usage_error trace --threads -2; says err --threads
+  usage_error trace --threads 4096; says err "from 0 to 1,024"
   usage_error trace --repeat 0; says err --repeat
   usage_error trace --max-leaf-size 0; says err --max-leaf-size
   usage_error trace --bins 65; says err --bins
@@ -149,7 +150,8 @@ test_cameras() {
 test_input_errors() {
   input_error trace nothing.ply; says err nothing.ply
   input_error trace interrupted.ply; says err interrupted.ply
-  input_error trace .; 
+  input_error trace .; says err "is a folder"
+  mkdir folder.ply folder.accel; input_error trace folder.ply; says err "is a folder"; input_error trace folder.accel; says err "is a folder"
   echo 'v 0 0 0' >scene.stl; input_error trace scene.stl; says err scene.stl
   printf 'v 0 0 0\nf 1 2 9\n' >bad.obj; input_error trace bad.obj; says err bad.obj
   printf 'ply\nformat ascii 1.0\nelement vertex 99999999999\n' >bad.ply; input_error trace bad.ply; says err bad.ply
@@ -161,6 +163,7 @@ test_input_errors() {
 test_empty_and_odd_scenes() {
   printf 'v 0 0 0\n' >empty.obj; expect 0 trace empty.obj --method all --rays primary,shadow,random,edge
   printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj; expect 0 trace line.obj --method all --rays primary,random
+  says out "1 triangle, because it has no area"
   printf 'v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n' >nan.obj; expect 0 trace nan.obj --method all
 }
 
@@ -222,6 +225,23 @@ test_builds_are_deterministic() {
   # Build times are part of the files' metadata; the answers must not differ in a bit.
   for threads in 1 2 3; do expect 0 trace $threads.accel --rays random --hits-out $threads.npy --check none; done
   cmp 1.npy 2.npy && cmp 2.npy 3.npy || fail "hits depend on the number of threads"
+}
+
+test_interrupted_build_leaves_nothing() {
+  "$ACCEL_BUILD" builtin:soup:4000000 -o soup.accel >out 2>err &
+  local pid=$!
+  sleep 1.5
+  kill -TERM $pid
+  wait $pid
+  [ $? -eq 143 ] || fail "not status 143"
+  one_line_error; says err interrupted; is_silent out
+  [ "$(ls -A | sort | tr '\n' ' ')" = "err out " ] || fail "something was left behind: $(ls -A)"
+}
+
+# More threads than the machine has, which oneTBB warns of unless it is told.
+test_many_threads() {
+  expect 0 "$ACCEL_TRACE" builtin:soup:20000 --width 64 --height 64 --repeat 1 --threads 40; is_silent err; says out "40 threads"
+  expect 0 "$ACCEL_BUILD" builtin:soup:20000 -o soup.accel --threads 40; is_silent err
 }
 
 test_json() {
@@ -321,17 +341,20 @@ test_outputs_are_replaced_whole() {
   [ "$(ls -A | sort | tr '\n' ' ')" = "err out rays.npy " ] || fail "something was left behind: $(ls -A)"
 }
 
-# A run that would take minutes is interrupted: it ends at once with 130 and leaves nothing behind.
-test_interrupt_is_130() {
+# A run that would take minutes is interrupted: it ends at once with the signal's status and leaves nothing behind.
+test_interrupt_is_130() { interrupted_by INT 130; }
+test_terminate_is_143() { interrupted_by TERM 143; }
+interrupted_by() {
   echo before >hits.npy
   "$ACCEL_TRACE" builtin:soup:50000 --method brute/loop --rays random --count 2000000 --hits-out hits.npy --check none >out 2>err &
   local pid=$!
   sleep 3
-  kill -INT $pid
+  kill -$1 $pid
   wait $pid
-  [ $? -eq 130 ] || fail "not status 130"
+  [ $? -eq $2 ] || fail "not status $2"
   one_line_error; says err interrupted; is_silent out
   [ "$(cat hits.npy)" = before ] || fail "an output was touched"
+  [ "$(ls -A | sort | tr '\n' ' ')" = "err hits.npy out " ] || fail "something was left behind: $(ls -A)"
 }
 
 test_progress() {
