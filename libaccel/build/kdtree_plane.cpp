@@ -15,7 +15,7 @@ KdPlane sweep_axis(const KdSet& set, int axis, const KdCosts& costs) {
                height = static_cast<double>(set.cell.hi[c]) - set.cell.lo[c];
   // The half area of a part of the cell is its length times half the perimeter, plus the area of the plane.
   const double rim = width + height, section = width * height;
-  const double step = costs.traversal * half_area(set.cell), test = costs.intersection;
+  const double step = costs.traversal * half_area_in_double(set.cell), test = costs.intersection;
   const double bonus = 1 - costs.empty_bonus;
 
   KdPlane best;

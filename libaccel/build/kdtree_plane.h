@@ -26,12 +26,6 @@ struct KdPlane {
   bool found() const { return cost < std::numeric_limits<double>::infinity(); }
 };
 
-inline double half_area(const Aabb& cell) {
-  const double x = static_cast<double>(cell.hi.x) - cell.lo.x, y = static_cast<double>(cell.hi.y) - cell.lo.y,
-               z = static_cast<double>(cell.hi.z) - cell.lo.z;
-  return x * (y + z) + y * z;
-}
-
 // The cheapest plane strictly within the set's cell that makes at most set.limit references of it. Of equals, the first axis
 // and the lowest plane. O(n), on several threads where the set is large.
 KdPlane cheapest_plane(const KdSet& set, const KdCosts& costs);

@@ -92,7 +92,7 @@ class KdTreeBuilder {
   KdPlane choose_plane(const KdSet& set) const {
     if (set.size == 0 || set.levels == 0 || progress_.stopped()) return {};
     const KdPlane plane = cheapest_plane(set, costs_);
-    return plane.cost < costs_.intersection * half_area(set.cell) * set.size ? plane : KdPlane{};
+    return plane.cost < costs_.intersection * half_area_in_double(set.cell) * set.size ? plane : KdPlane{};
   }
 
   BuildContext& context_;

@@ -51,29 +51,6 @@ bool read_text(const Json& object, const char* key, std::string& out) {
   return true;
 }
 
-// The words of a Bvh2 that are no arrays.
-struct Bvh2Words {
-  NodeRef root;
-  std::uint32_t depth;
-  std::uint64_t references;
-  Aabb bounds;
-};
-static_assert(sizeof(Bvh2Words) == 40 && std::is_trivially_copyable_v<Bvh2Words>);
-
-// Moves an array out of the file into `out`.
-template <class T>
-Status take(const AccelFile& file, std::string_view name, Buffer<T>& out) {
-  Result<Buffer<T>> values = file.array<T>(name);
-  if (!values) return values.error();
-  out = *std::move(values);
-  return Done{};
-}
-
-// An error of validate() as an error of the file.
-Status in_file(const AccelFile& file, const Status& status) {
-  return status ? status : Status(file.error({}, "holds a damaged structure: " + status.message()));
-}
-
 }  // namespace
 
 void write_sections(AccelFileWriter& writer, const AccelMetadata& metadata) {
@@ -109,34 +86,9 @@ void write_sections(AccelFileWriter& writer, const TriangleMesh& mesh) {
 }
 
 Status read_sections(const AccelFile& file, TriangleMesh& mesh) {
-  if (Status status = take(file, "mesh.vertices", mesh.vertices); !status) return status;
-  if (Status status = take(file, "mesh.triangles", mesh.triangles); !status) return status;
+  if (Status status = take_section(file, "mesh.vertices", mesh.vertices); !status) return status;
+  if (Status status = take_section(file, "mesh.triangles", mesh.triangles); !status) return status;
   return in_file(file, validate(mesh));
-}
-
-void write_sections(AccelFileWriter& writer, const Bvh2& bvh) {
-  writer.add_value("bvh2.words", Bvh2Words{bvh.root, bvh.depth, bvh.references, bvh.bounds});
-  writer.add("bvh2.nodes", bvh.nodes);
-  writer.add("bvh2.leaves", bvh.leaves);
-}
-
-Status read_sections(const AccelFile& file, Bvh2& bvh) {
-  const Result<Bvh2Words> words = file.value<Bvh2Words>("bvh2.words");
-  if (!words) return words.error();
-  bvh.root = words->root;
-  bvh.depth = words->depth;
-  bvh.references = words->references;
-  bvh.bounds = words->bounds;
-  if (Status status = take(file, "bvh2.nodes", bvh.nodes); !status) return status;
-  if (Status status = take(file, "bvh2.leaves", bvh.leaves); !status) return status;
-  return in_file(file, validate(bvh, triangle_count(file)));
-}
-
-void write_sections(AccelFileWriter& writer, const TriangleList& list) { writer.add("list.leaves", list.leaves); }
-
-Status read_sections(const AccelFile& file, TriangleList& list) {
-  if (Status status = take(file, "list.leaves", list.leaves); !status) return status;
-  return in_file(file, validate(list, triangle_count(file)));
 }
 
 std::uint64_t triangle_count(const AccelFile& file) { return file.count("mesh.triangles"); }

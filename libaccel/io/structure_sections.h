@@ -1,6 +1,7 @@
 // What a structure file holds: metadata, the mesh, and the arrays of one structure.
 //
-// A structure is kept by a pair of functions, write_sections() and read_sections(); adding one means adding its pair here.
+// A structure's sections are its arrays, by the names that it gives them (structure/arrays.h), and its words: "bvh2.nodes",
+// "bvh2.words". So there is nothing to add here for a new structure.
 // Readers validate all that they read: what they return is as safe to traverse as what a builder made. The mesh is read only
 // when it is asked for; tracing without checks never touches its pages.
 //
@@ -14,9 +15,9 @@
 
 #include "libaccel/core/camera_description.h"
 #include "libaccel/core/light_description.h"
+#include "libaccel/geometry/triangle_mesh.h"
 #include "libaccel/io/accel_file.h"
-#include "libaccel/structure/bvh2.h"
-#include "libaccel/structure/triangle_list.h"
+#include "libaccel/structure/arrays.h"
 
 namespace accel {
 
@@ -31,15 +32,52 @@ struct AccelMetadata {
   std::optional<LightDescription> light;
 };
 
+// Moves an array out of the file into `out`.
+template <class T>
+Status take_section(const AccelFile& file, std::string_view name, Buffer<T>& out) {
+  Result<Buffer<T>> values = file.array<T>(name);
+  if (!values) return values.error();
+  out = *std::move(values);
+  return Done{};
+}
+
+// An error of validate() as an error of the file.
+inline Status in_file(const AccelFile& file, const Status& status) {
+  return status ? status : Status(file.error({}, "holds a damaged structure: " + status.message()));
+}
+
 void write_sections(AccelFileWriter& writer, const AccelMetadata& metadata);
 void write_sections(AccelFileWriter& writer, const TriangleMesh& mesh);
-void write_sections(AccelFileWriter& writer, const Bvh2& bvh);
-void write_sections(AccelFileWriter& writer, const TriangleList& list);
 
 Status read_sections(const AccelFile& file, AccelMetadata& metadata);
 Status read_sections(const AccelFile& file, TriangleMesh& mesh);
-Status read_sections(const AccelFile& file, Bvh2& bvh);
-Status read_sections(const AccelFile& file, TriangleList& list);
+
+// The number of triangles of the file's mesh, without touching it.
+std::uint64_t triangle_count(const AccelFile& file);
+
+template <StructureOfArrays Structure>
+void write_sections(AccelFileWriter& writer, const Structure& structure) {
+  const std::string prefix = std::string(Structure::kName) + ".";
+  if constexpr (requires { typename Structure::Words; })
+    writer.add_value<typename Structure::Words>(prefix + "words", structure);
+  Structure::for_each_array(structure,
+                            [&](std::string_view name, const auto& array) { writer.add(prefix + std::string(name), array); });
+}
+
+template <StructureOfArrays Structure>
+Status read_sections(const AccelFile& file, Structure& structure) {
+  const std::string prefix = std::string(Structure::kName) + ".";
+  if constexpr (requires { typename Structure::Words; }) {
+    const auto words = file.value<typename Structure::Words>(prefix + "words");
+    if (!words) return words.error();
+    static_cast<typename Structure::Words&>(structure) = *words;
+  }
+  Status status = Done{};
+  Structure::for_each_array(structure, [&](std::string_view name, auto& array) {
+    if (status) status = take_section(file, prefix + std::string(name), array);
+  });
+  return status ? in_file(file, validate(structure, triangle_count(file))) : status;
+}
 
 // Any of them: read<Bvh2>(file).
 template <class T>
@@ -48,9 +86,6 @@ Result<T> read(const AccelFile& file) {
   if (Status status = read_sections(file, value); !status) return status.error();
   return value;
 }
-
-// The number of triangles of the file's mesh, without touching it.
-std::uint64_t triangle_count(const AccelFile& file);
 
 // Writes a whole structure file.
 template <class Structure>

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 
+#include "libaccel/structure/arrays.h"
 #include "libaccel/structure/triangle_leaf.h"
 
 namespace accel {
@@ -50,19 +51,30 @@ struct Bvh2View {
 // keep to it by default.
 inline constexpr int kBvh2StackSize = 128;
 
+// What of a Bvh2 is no array.
+struct Bvh2Words {
+  NodeRef root = kNoNode;
+  std::uint32_t depth = 0;       // inner nodes on the longest path from the root
+  std::uint64_t references = 0;  // triangles in the leaves, with repetitions
+  Aabb bounds;                   // of the whole tree
+};
+static_assert(sizeof(Bvh2Words) == 40 && std::is_trivially_copyable_v<Bvh2Words>);
+
 // The owning structure.
-struct Bvh2 {
+struct Bvh2 : Bvh2Words {
   static constexpr const char* kName = "bvh2";
   using View = Bvh2View;
+  using Words = Bvh2Words;
 
   Buffer<Bvh2Node> nodes;
   Buffer<LeafQuad> leaves;
-  NodeRef root = kNoNode;
-  Aabb bounds;                   // of the whole tree
-  std::uint32_t depth = 0;       // inner nodes on the longest path from the root
-  std::uint64_t references = 0;  // triangles in the leaves, with repetitions
 
-  std::size_t size_bytes() const { return nodes.size_bytes() + leaves.size_bytes(); }
+  template <class Self, class Visit>
+  static void for_each_array(Self& self, Visit&& visit) {
+    visit("nodes", self.nodes);
+    visit("leaves", self.leaves);
+  }
+  std::size_t size_bytes() const { return bytes_of_arrays(*this); }
   Bvh2View view() const { return {nodes.data(), leaves.data(), root}; }
 };
 

@@ -140,13 +140,6 @@ void count_leaf(const Bvh2& bvh, NodeRef leaf, std::uint32_t depth, Bvh2Stats& s
   sums.size += size, sums.squared_size += static_cast<double>(size) * size, sums.depth += depth;
 }
 
-// Half the area in double: in single precision large scenes lose the small leaves.
-double half_area(const Aabb& box) {
-  const double x = static_cast<double>(box.hi.x) - box.lo.x, y = static_cast<double>(box.hi.y) - box.lo.y,
-               z = static_cast<double>(box.hi.z) - box.lo.z;
-  return x * (y + z) + y * z;
-}
-
 std::uint64_t count_distinct_triangles(const Bvh2& bvh) {
   std::vector<bool> seen;
   std::uint64_t count = 0;
@@ -176,7 +169,7 @@ Bvh2Stats bvh2_stats(const Bvh2& bvh, float traversal_cost, float intersection_c
   };
   LeafSums sums;
   double cost = 0;
-  const double root_area = half_area(bvh.bounds);
+  const double root_area = half_area_in_double(bvh.bounds);
   std::vector<Visit> pending{{bvh.root, 0, root_area}};
   while (!pending.empty()) {
     const Visit visit = pending.back();
@@ -189,7 +182,7 @@ Bvh2Stats bvh2_stats(const Bvh2& bvh, float traversal_cost, float intersection_c
     }
     cost += visit.area * traversal_cost;
     const Bvh2Node& node = bvh.nodes[visit.ref];
-    for (int c = 0; c < 2; ++c) pending.push_back({node.child[c], visit.depth + 1, half_area(node.bounds(c))});
+    for (int c = 0; c < 2; ++c) pending.push_back({node.child[c], visit.depth + 1, half_area_in_double(node.bounds(c))});
   }
   const auto leaves = static_cast<double>(stats.leaves);
   stats.sah_cost = root_area > 0 ? cost / root_area : 0.0;

@@ -18,6 +18,8 @@
 #include <type_traits>
 
 #include "libaccel/core/aabb.h"
+#include "libaccel/core/result.h"
+#include "libaccel/structure/arrays.h"
 #include "libaccel/structure/reference_leaf.h"
 
 namespace accel {
@@ -74,16 +76,22 @@ struct KdTreeView {
 // The most inner nodes on a path that traversers with a stack accept.
 inline constexpr int kKdStackSize = 64;
 
+// What of a KdTree is no array.
+struct KdTreeWords {
+  Aabb bounds;
+  std::uint32_t depth = 0;       // inner nodes on the longest path from the root
+  std::uint32_t leaf_count = 0;  // empty ones too
+};
+static_assert(sizeof(KdTreeWords) == 32 && std::is_trivially_copyable_v<KdTreeWords>);
+
 // The owning structure.
-struct KdTree {
+struct KdTree : KdTreeWords {
   static constexpr const char* kName = "kdtree";
   using View = KdTreeView;
+  using Words = KdTreeWords;
 
   Buffer<KdNode> nodes;
   ReferenceLeaves leaves;
-  Aabb bounds;
-  std::uint32_t depth = 0;        // inner nodes on the longest path from the root
-  std::uint32_t leaf_count = 0;   // empty ones too
   Buffer<std::uint32_t> parents;  // empty, or as in the view
   Buffer<Aabb> cells;
   Buffer<LeafRopes> ropes;
@@ -94,10 +102,22 @@ struct KdTree {
     return extras == KdExtras::ropes ? "ropes" : "parents and boxes";
   }
   bool has(KdExtras extras) const { return nodes.empty() || (extras == KdExtras::ropes ? !ropes.empty() : !parents.empty()); }
-  std::size_t size_bytes() const {
-    return nodes.size_bytes() + leaves.size_bytes() + parents.size_bytes() + cells.size_bytes() + ropes.size_bytes();
+  template <class Self, class Visit>
+  static void for_each_array(Self& self, Visit&& visit) {
+    visit("nodes", self.nodes);
+    ReferenceLeaves::for_each_array(self.leaves, visit);
+    visit("parents", self.parents);
+    visit("cells", self.cells);
+    visit("ropes", self.ropes);
   }
+  std::size_t size_bytes() const { return bytes_of_arrays(*this); }
   KdTreeView view() const { return {nodes.data(), leaves.view(), bounds, parents.data(), cells.data(), ropes.data()}; }
 };
+
+// Proves every invariant that traversal relies on, whatever the bytes are: pairs owned by one node each, before them; planes
+// strictly within finite cells; leaves named by whole runs of references, each run by one leaf, and numbered without gaps;
+// slots and prim_ids in range; depth as stated; parents, cells and ropes, where there are any, those of this tree. That a
+// triangle is in every leaf it should be in, which a traversal needs to find its hits but not to be safe, is left to builders.
+Status validate(const KdTree& tree, std::uint64_t triangle_count);
 
 }  // namespace accel

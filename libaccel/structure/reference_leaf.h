@@ -27,7 +27,11 @@ struct ReferenceLeaves {
   Buffer<PackedTriangle> triangles;
   Buffer<std::uint32_t> references;
 
-  std::size_t size_bytes() const { return triangles.size_bytes() + references.size_bytes(); }
+  template <class Self, class Visit>
+  static void for_each_array(Self& self, Visit&& visit) {
+    visit("triangles", self.triangles);
+    visit("references", self.references);
+  }
   ReferenceLeavesView view() const { return {triangles.data(), references.data()}; }
 };
 

@@ -1,6 +1,7 @@
 // No hierarchy: all triangles in one leaf. The structure of the brute-force method, against which every other is tested.
 #pragma once
 
+#include "libaccel/structure/arrays.h"
 #include "libaccel/structure/triangle_leaf.h"
 
 namespace accel {
@@ -15,7 +16,11 @@ struct TriangleList {
 
   Buffer<LeafQuad> leaves;
 
-  std::size_t size_bytes() const { return leaves.size_bytes(); }
+  template <class Self, class Visit>
+  static void for_each_array(Self& self, Visit&& visit) {
+    visit("leaves", self.leaves);
+  }
+  std::size_t size_bytes() const { return bytes_of_arrays(*this); }
   TriangleListView view() const { return {leaves.data()}; }
 };
 

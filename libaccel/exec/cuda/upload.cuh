@@ -1,36 +1,36 @@
 // Structures on the device: their arrays are copied, and their view is made to point to the copies.
 //
-// A new structure needs one overload of upload(), which lists its arrays.
+// The arrays are those that a structure lists (structure/arrays.h): there is nothing to add here for a new one.
 #pragma once
 
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "libaccel/core/buffer.h"
 #include "libaccel/exec/cuda/device_memory.cuh"
-#include "libaccel/structure/bvh2.h"
-#include "libaccel/structure/kdtree.h"
-#include "libaccel/structure/triangle_list.h"
+#include "libaccel/structure/arrays.h"
 
 namespace accel::cuda {
 
 // Copies arrays and keeps the copies. The first error stays; copies after it are not made.
 class Uploader {
  public:
+  // A buffer that borrows the copy on the device; what is in it cannot be read here.
   template <class T>
-  const T* copy(const Buffer<T>& buffer) {
-    if (error_) return nullptr;
+  Buffer<T> copy(const Buffer<T>& buffer) {
+    if (error_) return {};
     auto array = DeviceArray<T>::copy_of(buffer.span());
     if (!array) {
       error_ = array.error();
-      return nullptr;
+      return {};
     }
     auto kept = std::make_shared<DeviceArray<T>>(std::move(*array));
     bytes_ += buffer.size_bytes();
     copies_.push_back(kept);
-    return kept->data();
+    return Buffer<T>(kept->data(), kept->size(), kept);
   }
 
   Status status() const { return error_ ? Status(*error_) : Status(Done{}); }
@@ -43,19 +43,11 @@ class Uploader {
   std::vector<std::shared_ptr<const void>> copies_;
 };
 
-inline Bvh2View upload(const Bvh2& bvh, Uploader& device) {
-  return {device.copy(bvh.nodes), device.copy(bvh.leaves), bvh.root};
+// The view of the structure's copy on the device.
+template <StructureOfArrays Structure>
+typename Structure::View upload(Structure structure, Uploader& device) {
+  Structure::for_each_array(structure, [&](std::string_view, auto& array) { array = device.copy(array); });
+  return structure.view();
 }
-
-inline KdTreeView upload(const KdTree& tree, Uploader& device) {
-  return {device.copy(tree.nodes),
-          {device.copy(tree.leaves.triangles), device.copy(tree.leaves.references)},
-          tree.bounds,
-          device.copy(tree.parents),
-          device.copy(tree.cells),
-          device.copy(tree.ropes)};
-}
-
-inline TriangleListView upload(const TriangleList& list, Uploader& device) { return {device.copy(list.leaves)}; }
 
 }  // namespace accel::cuda

@@ -5,6 +5,10 @@
 #include <limits>
 
 #include "libaccel/build/binned_sah.h"
+#include "libaccel/build/kdtree_links.h"
+#include "libaccel/build/kdtree_ropes.h"
+#include "libaccel/build/kdtree_sah.h"
+#include "libaccel/structure/triangle_list.h"
 #include "validation/unit/io/io_test_support.h"
 
 namespace accel {
@@ -80,6 +84,42 @@ TEST_F(StructureSectionsTest, Bvh2ComesBack) {
   EXPECT_TRUE(same(back_mesh->vertices, mesh.vertices));
   EXPECT_TRUE(same(back_mesh->triangles, mesh.triangles));
   EXPECT_FALSE(read<TriangleList>(*file));
+}
+
+// With its optional arrays and without.
+TEST_F(StructureSectionsTest, KdTreeComesBack) {
+  const TriangleMesh mesh = grid_mesh(20);
+  KdTree tree = KdTreeSah::build(mesh, {}).value().structure;
+  for (const bool extras : {false, true}) {
+    if (extras) add_links(tree), add_ropes(tree);
+    ASSERT_TRUE(save_accel(path(), {}, mesh, tree));
+    const Result<AccelFile> file = AccelFile::open(path());
+    ASSERT_TRUE(file) << file.message();
+    const Result<KdTree> back = read<KdTree>(*file);
+    ASSERT_TRUE(back) << back.message();
+    EXPECT_TRUE(same(back->nodes, tree.nodes));
+    EXPECT_TRUE(same(back->leaves.triangles, tree.leaves.triangles));
+    EXPECT_TRUE(same(back->leaves.references, tree.leaves.references));
+    EXPECT_TRUE(same(back->parents, tree.parents));
+    EXPECT_TRUE(same(back->cells, tree.cells));
+    EXPECT_TRUE(same(back->ropes, tree.ropes));
+    EXPECT_EQ(back->depth, tree.depth);
+    EXPECT_EQ(back->leaf_count, tree.leaf_count);
+    EXPECT_EQ(back->bounds.lo, tree.bounds.lo);
+    EXPECT_EQ(back->size_bytes(), tree.size_bytes());
+    EXPECT_EQ(back->has(KdExtras::ropes), extras);
+    EXPECT_FALSE(read<Bvh2>(*file));
+  }
+}
+
+TEST_F(StructureSectionsTest, DamagedKdTreesAreFound) {
+  const TriangleMesh mesh = grid_mesh(6);
+  KdTree tree = KdTreeSah::build(mesh, {}).value().structure;
+  tree.nodes[0] = KdNode::inner(tree.nodes[0].axis(), tree.nodes[0].plane(), 0);
+  ASSERT_TRUE(save_accel(path(), {}, mesh, tree));
+  const Result<KdTree> back = read<KdTree>(AccelFile::open(path()).value());
+  ASSERT_FALSE(back);
+  EXPECT_NE(back.message().find("damaged"), std::string::npos) << back.message();
 }
 
 TEST_F(StructureSectionsTest, EmptySceneComesBack) {
