@@ -71,10 +71,8 @@ SpatialSplit SpatialSplitter::find_spatial_split(const ReferenceSet& set) const 
   // No child may exceed what its levels can hold; it may be as large as the set.
   if (set.spare() == 0 || must_balance(set.size() + 1, set.levels, options_.max_leaf_size)) return {};
   const SlabMapping mapping(set.bounds.boxes, slabs_for(set.size(), options_));
-  SpatialBins bins;
-  bins.fill(mesh_, references_, set.begin, set.end, mapping);
-  return bins.best_split(set.bounds.boxes, mapping, set.size(), set.spare(), options_.traversal_cost,
-                         options_.intersection_cost);
+  return SpatialBins::best_split(mesh_, references_, set.begin, set.end, set.bounds.boxes, mapping, set.spare(),
+                                 options_.traversal_cost, options_.intersection_cost);
 }
 
 bool SpatialSplitter::split(const ReferenceSet& set, ReferenceSet (&children)[2]) const {
