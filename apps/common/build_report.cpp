@@ -66,6 +66,10 @@ std::string build_report_text(const BuildRunReport& r, const BuildSettings& sett
           print(" (duplication %.1f %%)", 100 * (static_cast<double>(r.build.references) / triangles - 1));
   std::vector<std::string> quality;
   if (r.facts.depth) quality.push_back(std::to_string(*r.facts.depth) + " levels deep");
+  if (r.facts.resolution) quality.push_back(*r.facts.resolution + " cells");
+  if (r.facts.empty_leaf_share) quality.push_back(print("%.1f %% of leaves empty", 100 * *r.facts.empty_leaf_share));
+  if (r.facts.references_per_triangle)
+    quality.push_back(short_number(*r.facts.references_per_triangle) + " references a triangle");
   if (r.facts.sah_cost) quality.push_back("SAH cost " + short_number(*r.facts.sah_cost));
   if (r.facts.epo) quality.push_back("end-point overlap " + short_number(*r.facts.epo));
   if (r.facts.leaf_size_mean)
@@ -101,6 +105,9 @@ std::string build_report_json(const BuildRunReport& r, const BuildSettings& sett
               {"skipped", {{"zero_area", r.build.skipped.zero_area}, {"out_of_range", r.build.skipped.out_of_range}}}};
   for (const BuildPhase& phase : r.build.phases) row["phases"][phase.name] = phase.seconds;
   if (r.facts.depth) row["depth"] = *r.facts.depth;
+  if (r.facts.resolution) row["resolution"] = *r.facts.resolution;
+  if (r.facts.empty_leaf_share) row["empty_leaf_share"] = *r.facts.empty_leaf_share;
+  if (r.facts.references_per_triangle) row["references_per_triangle"] = *r.facts.references_per_triangle;
   if (r.facts.sah_cost) row["sah_cost"] = *r.facts.sah_cost;
   if (r.facts.epo) row["epo"] = *r.facts.epo;
   if (r.facts.leaf_size_variance) row["leaf_size_variance"] = *r.facts.leaf_size_variance;

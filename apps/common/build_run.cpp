@@ -12,6 +12,11 @@ namespace accel::apps {
 
 namespace {
 
+// Zeros stand for a resolution that the builder chooses.
+std::string resolution_text(const int (&cells)[3]) {
+  return std::to_string(cells[0]) + "x" + std::to_string(cells[1]) + "x" + std::to_string(cells[2]);
+}
+
 std::map<std::string, std::string> option_texts(const BuildOptions& options) {
   const auto text = [](double value) { return std::to_string(value); };
   return {{"traversal_cost", text(options.traversal_cost)},
@@ -20,7 +25,9 @@ std::map<std::string, std::string> option_texts(const BuildOptions& options) {
           {"max_leaf_size", std::to_string(options.max_leaf_size)},
           {"max_depth", std::to_string(options.max_depth)},
           {"spatial_overlap", text(options.spatial_overlap)},
-          {"max_duplication", text(options.max_duplication)}};
+          {"max_duplication", text(options.max_duplication)},
+          {"grid_resolution", resolution_text(options.grid_resolution)},
+          {"grid_density", text(options.grid_density)}};
 }
 
 AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const StructureFacts& facts, const BuildOptions& options) {

@@ -7,6 +7,7 @@
 #include "apps/common/text.h"
 #include "apps/common/versions.h"
 #include "libaccel/core/suggest.h"
+#include "libaccel/structure/grid.h"
 
 namespace accel::apps {
 
@@ -74,6 +75,38 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
       "", "whole number");
 }
 
+namespace {
+
+// Cells along each axis, as in 50 (for all three) or 50x40x30.
+std::string parse_resolution(const std::string& text, int (&cells)[3]) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == 'x')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  bool good = parts.size() == 1 || parts.size() == 3;
+  for (std::size_t a = 0; a < 3 && good; ++a) {
+    const std::string& part = parts[parts.size() == 1 ? 0 : a];
+    good = parse_whole(part, cells[a]) && cells[a] >= 1 && cells[a] <= kMaxGridResolution;
+  }
+  return good ? "" : "'" + text + "' should be N or NxNxN, with N from 1 to " + with_commas(kMaxGridResolution);
+}
+
+void add_grid_options(CLI::App& app, BuildOptions& options) {
+  const auto resolution = [&](const CLI::results_t& texts) {
+    const std::string complaint = parse_resolution(texts.front(), options.grid_resolution);
+    if (!complaint.empty()) throw CLI::ValidationError("--grid-resolution", complaint);
+    return true;
+  };
+  app.add_option("--grid-resolution", resolution, "grids: cells along each axis, N or NxNxN, in place of --grid-density")
+      ->type_name("N")
+      ->group("Build");
+}
+
+}  // namespace
+
 CLI::Validator real_number(double least, double most) {
   return CLI::Validator(
       [least, most](std::string& text) {
@@ -131,6 +164,8 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
       real_number(0, 1), "X");
   add("--max-duplication", options.max_duplication, "extra references that spatial splits may make, per triangle",
       real_number(0, kMaxDuplication), "X");
+  add("--grid-density", options.grid_density, "grids: cells per triangle", real_number(1e-6, kMaxGridDensity), "X");
+  add_grid_options(app, options);
 }
 
 Outcome<std::string> parse_arguments(CLI::App& app, int argc, char** argv, CommonSettings& settings) {

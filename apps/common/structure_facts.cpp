@@ -4,6 +4,7 @@
 
 #include "libaccel/registry/structures.h"
 #include "libaccel/structure/bvh2_stats.h"
+#include "libaccel/structure/grid_stats.h"
 
 namespace accel::apps {
 
@@ -26,6 +27,21 @@ StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detai
     const auto stride = static_cast<std::uint32_t>(std::max<std::uint64_t>(stats.triangles / kMostOverlapTriangles, 1));
     facts.epo = end_point_overlap(bvh, options.traversal_cost, options.intersection_cost, stride);
   }
+  return facts;
+}
+
+StructureFacts facts_of_kind(const Grid& grid, const BuildOptions& options, Detail) {
+  const GridStats stats = grid_stats(grid, options.traversal_cost, options.intersection_cost);
+  const GridResolution& cells = stats.resolution;
+  StructureFacts facts;
+  facts.sah_cost = stats.expected_cost;
+  facts.resolution = std::to_string(cells.x) + " x " + std::to_string(cells.y) + " x " + std::to_string(cells.z);
+  facts.empty_leaf_share = stats.empty_share();
+  facts.references_per_triangle = stats.references_per_triangle();
+  facts.leaf_size_mean = stats.mean_cell_size;
+  facts.leaf_size_variance = stats.cell_size_variance;
+  facts.leaf_sizes = stats.cells_by_size;
+  while (!facts.leaf_sizes.empty() && facts.leaf_sizes.back() == 0) facts.leaf_sizes.pop_back();
   return facts;
 }
 

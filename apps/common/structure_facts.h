@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "libaccel/build/builder.h"
@@ -17,6 +18,9 @@ struct StructureFacts {
   std::optional<double> leaf_size_mean, leaf_size_variance;
   std::vector<std::uint64_t> leaf_sizes;   // [n]: leaves with n triangles; the last counts all larger ones too
   std::vector<std::uint64_t> leaf_depths;  // [d]: leaves below d inner nodes
+  std::optional<std::string> resolution;   // cells of a grid
+  std::optional<double> empty_leaf_share;
+  std::optional<double> references_per_triangle;
 };
 
 // `all` includes what is expensive to compute.

@@ -1,5 +1,7 @@
 #include "libaccel/build/build_context.h"
 
+#include "libaccel/structure/grid.h"
+
 namespace accel {
 
 void ProgressMeter::advance(std::uint64_t amount) {
@@ -12,6 +14,28 @@ void ProgressMeter::advance(std::uint64_t amount) {
   last_ = now;
   if (!progress_(phase_, total_ > 0 ? static_cast<double>(done) / static_cast<double>(total_) : 1.0)) stopped_ = true;
 }
+
+namespace {
+
+Status validate_grid_options(const BuildOptions& options) {
+  const auto& cells = options.grid_resolution;
+  const bool automatic = cells[0] == 0 && cells[1] == 0 && cells[2] == 0;
+  std::uint64_t product = 1;
+  for (const int n : cells) {
+    if (!automatic && (n < 1 || n > kMaxGridResolution))
+      return Error{"build option grid_resolution has " + std::to_string(n) + " cells along an axis; it must have 1 to " +
+                   std::to_string(kMaxGridResolution) + " along each, or 0 along all"};
+    product *= static_cast<std::uint64_t>(n);
+  }
+  if (product > kMaxGridCells)
+    return Error{"build option grid_resolution makes " + std::to_string(product) + " cells; the most is " +
+                 std::to_string(kMaxGridCells)};
+  if (!(options.grid_density > 0.0f && options.grid_density <= kMaxGridDensity))
+    return Error{"build option grid_density must lie in (0, 1e6]"};
+  return Done{};
+}
+
+}  // namespace
 
 Status validate(const BuildOptions& options) {
   const auto is_cost = [](float x) { return x >= 0.0f && x <= 1e6f; };
@@ -34,7 +58,7 @@ Status validate(const BuildOptions& options) {
     return Error{"build option empty_bonus must be 0 or more, and less than 1"};
   if (!(options.max_references >= 1.0f && options.max_references <= kMaxKdReferences))
     return Error{"build option max_references must lie in [1, " + std::to_string(static_cast<int>(kMaxKdReferences)) + "]"};
-  return Done{};
+  return validate_grid_options(options);
 }
 
 void BuildContext::begin_phase(std::string name) {

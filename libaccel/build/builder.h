@@ -25,6 +25,7 @@ inline constexpr int kMaxBins = 64;
 inline constexpr int kMaxBuildDepth = 1024;  // inner nodes on a path: builders recurse
 inline constexpr float kMaxDuplication = 15.0f;
 inline constexpr float kMaxKdReferences = 1024.0f;
+inline constexpr float kMaxGridDensity = 1e6f;
 
 struct BuildOptions {
   int threads = 0;  // 0: as many as the machine has
@@ -46,8 +47,13 @@ struct BuildOptions {
   // Kd-trees. They need bins and max_leaf_size for nothing: every plane is tried, and leaves end where the cost model says so.
   // Planes that cut off empty space are made cheaper by this share of their cost.
   float empty_bonus = 0.2f;
-  // Most references in the leaves, per triangle. Nodes share what there is in proportion to their triangles.
+  // Most references in the leaves of kd-trees and grids, per triangle. Nodes share what there is in proportion to their
+  // triangles.
   float max_references = 16.0f;
+
+  // Grids: cells along each axis or, where they are 0, as many as make this many cells a triangle (build/grid.h).
+  int grid_resolution[3] = {0, 0, 0};
+  float grid_density = 8.0f;
 
   Progress progress;
 };

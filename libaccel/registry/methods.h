@@ -7,19 +7,22 @@
 #pragma once
 
 #include "libaccel/build/binned_sah.h"
+#include "libaccel/build/grid.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/build/triangle_list.h"
 #include "libaccel/core/type_list.h"
 #include "libaccel/registry/method.h"
 #include "libaccel/trace/brute_force.h"
 #include "libaccel/trace/bvh2_stack.h"
+#include "libaccel/trace/grid_dda.h"
 
 namespace accel {
 
 using Methods = TypeList<             //
     Method<ListBuilder, BruteForce>,  // brute/loop
     Method<BinnedSah, Bvh2Stack>,     // bvh/stack
-    Method<Sbvh, Bvh2Stack>           // sbvh/stack
+    Method<Sbvh, Bvh2Stack>,          // sbvh/stack
+    Method<GridBuilder, GridDda>      // grid/dda
     >;
 
 }  // namespace accel

@@ -186,6 +186,18 @@ test_build_options_change_the_structure() {
   usage_error trace soup.accel --bins 8; says err --bins
 }
 
+test_grids() {
+  needs_python
+  expect 0 build builtin:soup:5000 --structure grid --stats; says out "references a triangle"; says out "LEAF SIZE"
+  expect 0 build builtin:soup:5000 --structure grid --grid-resolution 10 --json -
+  json out 'j["benchmarks"][0]["resolution"] == "10 x 10 x 10"'
+  expect 0 build builtin:soup:5000 --structure grid --grid-resolution 4x5x6 -o grid.accel; says out "4 x 5 x 6 cells"
+  expect 0 trace grid.accel; says out grid/dda; says out "all right"
+  usage_error trace builtin:soup:5000 --grid-resolution 4x5; says err NxNxN
+  usage_error trace builtin:soup:5000 --grid-resolution 0; says err NxNxN
+  usage_error trace builtin:soup:5000 --grid-density -1; says err --grid-density
+}
+
 test_more_rays_than_memory() {
   expect 1 "$ACCEL_TRACE" builtin:cornell --width 65536 --height 65536 --check none; one_line_error; says err --width
 }

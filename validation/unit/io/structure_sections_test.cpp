@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "libaccel/build/binned_sah.h"
+#include "libaccel/build/grid.h"
 #include "libaccel/build/kdtree_links.h"
 #include "libaccel/build/kdtree_ropes.h"
 #include "libaccel/build/kdtree_sah.h"
@@ -120,6 +121,38 @@ TEST_F(StructureSectionsTest, DamagedKdTreesAreFound) {
   const Result<KdTree> back = read<KdTree>(AccelFile::open(path()).value());
   ASSERT_FALSE(back);
   EXPECT_NE(back.message().find("damaged"), std::string::npos) << back.message();
+}
+
+TEST_F(StructureSectionsTest, GridComesBack) {
+  const TriangleMesh mesh = grid_mesh(20);
+  for (const TriangleMesh& scene : {mesh, TriangleMesh{}}) {
+    const Grid grid = GridBuilder::build(scene, {}).value().structure;
+    ASSERT_TRUE(save_accel(path(), {}, scene, grid));
+    const Result<AccelFile> file = AccelFile::open(path());
+    ASSERT_TRUE(file) << file.message();
+    const Result<Grid> back = read<Grid>(*file);
+    ASSERT_TRUE(back) << back.message();
+    EXPECT_TRUE(same(back->cells, grid.cells));
+    EXPECT_TRUE(same(back->leaves.references, grid.leaves.references));
+    EXPECT_TRUE(same(back->leaves.triangles, grid.leaves.triangles));
+    EXPECT_EQ(std::memcmp(&back->frame, &grid.frame, sizeof grid.frame), 0);
+    EXPECT_FALSE(read<Bvh2>(*file));
+  }
+}
+
+TEST_F(StructureSectionsTest, GridsAreValidated) {
+  const TriangleMesh mesh = grid_mesh(6);
+  const auto reads = [&](auto damage) {
+    Grid grid = GridBuilder::build(mesh, {}).value().structure;
+    damage(grid);
+    EXPECT_TRUE(save_accel(path(), {}, mesh, grid));
+    const Result<AccelFile> file = AccelFile::open(path());
+    return file && read<Grid>(*file).ok();
+  };
+  EXPECT_TRUE(reads([](Grid&) {}));
+  EXPECT_FALSE(reads([](Grid& g) { g.frame.resolution.x += 1; }));
+  EXPECT_FALSE(reads([](Grid& g) { g.leaves.references[g.leaves.references.size() - 1] = 0; }));
+  EXPECT_FALSE(reads([](Grid& g) { g.cells[0] = static_cast<std::uint32_t>(g.leaves.references.size()); }));
 }
 
 TEST_F(StructureSectionsTest, EmptySceneComesBack) {
