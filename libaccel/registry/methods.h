@@ -8,6 +8,7 @@
 
 #include "libaccel/build/binned_sah.h"
 #include "libaccel/build/grid.h"
+#include "libaccel/build/kdtree_sah.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/build/triangle_list.h"
 #include "libaccel/core/type_list.h"
@@ -15,14 +16,24 @@
 #include "libaccel/trace/brute_force.h"
 #include "libaccel/trace/bvh2_stack.h"
 #include "libaccel/trace/grid_dda.h"
+#include "libaccel/trace/kdtree_backtrack.h"
+#include "libaccel/trace/kdtree_restart.h"
+#include "libaccel/trace/kdtree_ropes.h"
+#include "libaccel/trace/kdtree_short_stack.h"
+#include "libaccel/trace/kdtree_stack.h"
 
 namespace accel {
 
-using Methods = TypeList<             //
-    Method<ListBuilder, BruteForce>,  // brute/loop
-    Method<BinnedSah, Bvh2Stack>,     // bvh/stack
-    Method<Sbvh, Bvh2Stack>,          // sbvh/stack
-    Method<GridBuilder, GridDda>      // grid/dda
+using Methods = TypeList<                 //
+    Method<ListBuilder, BruteForce>,      // brute/loop
+    Method<BinnedSah, Bvh2Stack>,         // bvh/stack
+    Method<Sbvh, Bvh2Stack>,              // sbvh/stack
+    Method<GridBuilder, GridDda>,         // grid/dda
+    Method<KdTreeSah, KdTreeStack>,       // kdtree/stack
+    Method<KdTreeSah, KdTreeRestart>,     // kdtree/restart
+    Method<KdTreeSah, KdTreeBacktrack>,   // kdtree/backtrack
+    Method<KdTreeSah, KdTreeShortStack>,  // kdtree/short-stack
+    Method<KdTreeSah, KdTreeRopes>        // kdtree/ropes
     >;
 
 }  // namespace accel

@@ -6,13 +6,15 @@
 // tests accept hits which are off by gamma(5) of the distance of a vertex, and a rounded t adds one rounding. So a triangle is
 // stored in every cell that comes within
 //
-//     pad_a = gamma(16) * (size_a + kPaddingReach * largest size)
+//     pad_a = gamma(16) * (size_a + kPaddingReach * largest size) + gamma(2) * largest coordinate_a
 //
 // of it along all axes: whatever cell the curve is in when the ray hits the triangle, the triangle is in it, as long as origins
 // lie within kPaddingReach times the largest extent of the scene's box from that box. So a hit with t no larger than the
 // distance at which the curve leaves a cell is the nearest, and flat cells, triangles in planes and rays along planes are
-// nothing special: every triangle has a thickness, and the box of the whole structure, padded likewise, is never flat. From
-// farther away hits near the borders of cells may be lost.
+// nothing special: every triangle has a thickness, and the box of the whole structure, padded likewise, is never flat.
+//
+// From farther away distances are measured from a point of the ray near the scene (trace/cell_ray.h). Rounding that point is
+// what the coordinates' share of the pad is for, which matters in scenes that are far from the origin.
 //
 // Units: those of the scene. Pads are doubles, so that cells and padded triangles are compared without further rounding: sums
 // of floats of one scene are exact in double, or off by far less than the pad's slack.
@@ -33,8 +35,11 @@ inline Vec3d cell_padding(const Aabb& bounds) {
   if (bounds.empty()) return {};
   const Vec3d size = Vec3d(bounds.hi) - Vec3d(bounds.lo);
   const double largest = std::fmax(size.x, std::fmax(size.y, size.z));
-  const auto pad = [&](double extent) { return static_cast<double>(gamma(16)) * (extent + kPaddingReach * largest); };
-  return {pad(size.x), pad(size.y), pad(size.z)};
+  const auto pad = [&](double extent, float lo, float hi) {
+    return static_cast<double>(gamma(16)) * (extent + kPaddingReach * largest) +
+           static_cast<double>(gamma(2)) * std::fmax(std::fabs(lo), std::fabs(hi));
+  };
+  return {pad(size.x, bounds.lo.x, bounds.hi.x), pad(size.y, bounds.lo.y, bounds.hi.y), pad(size.z, bounds.lo.z, bounds.hi.z)};
 }
 
 // The box with its pad around it, rounded outward: strictly larger along all axes, even where the pad is lost beside the

@@ -47,7 +47,7 @@ struct KdTreeBacktrack {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.planes, state.node);
+    const KdCrossing plane = crossing(state.ray, state.node);
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
     if (plane.t < state.t_max) state.t_max = plane.t;
     return go_to(view, plane.first, state, observer);
@@ -73,7 +73,7 @@ struct KdTreeBacktrack {
     const Aabb& cell = view.cells[pair_of(state.index)];  // the parent's
     observer.load(Memory::node, &cell, sizeof cell);
     observer.box_tests(1);
-    state.t_max = state.planes.exit(cell, state.t_end);
+    state.t_max = state.ray.exit(cell, state.t_end);
     if (state.t_max > state.t_min) return go_to(view, sibling_of(state.index), state, observer);
     observer.load(Memory::node, view.parents + pair_of(state.index), sizeof(std::uint32_t));
     state.index = view.parents[pair_of(state.index)];

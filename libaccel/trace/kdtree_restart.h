@@ -38,7 +38,7 @@ struct KdTreeRestart {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.planes, state.node);
+    const KdCrossing plane = crossing(state.ray, state.node);
     if (!(plane.t > state.t_min)) return enter(view, plane.second(), state, observer);
     if (plane.t < state.t_max) state.t_max = plane.t;
     return enter(view, plane.first, state, observer);

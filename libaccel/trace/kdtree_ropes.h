@@ -44,7 +44,7 @@ struct KdTreeRopes {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.planes, state.node);
+    const KdCrossing plane = crossing(state.ray, state.node);
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
     return go_to(view, plane.first, state, observer);
   }
@@ -79,10 +79,10 @@ struct KdTreeRopes {
     state.t_max = state.t_end;
     int face = -1;
     for (int a = 0; a < 3; ++a) {
-      const float t = state.planes.crossing(a, state.planes.exit_face(neighbours.cell, a));
+      const float t = state.ray.crossing(a, state.ray.exit_face(neighbours.cell, a));
       if (!(t < state.t_max)) continue;
       state.t_max = t;
-      face = state.planes.backwards(a) != 0 ? a : a + 3;
+      face = state.ray.backwards(a) != 0 ? a : a + 3;
     }
     ACCEL_ASSERT(state.t_min <= state.t_max);
     if (face < 0) return;

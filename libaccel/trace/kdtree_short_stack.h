@@ -55,7 +55,7 @@ struct KdTreeShortStack {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.planes, state.node);
+    const KdCrossing plane = crossing(state.ray, state.node);
     if (!(plane.t > state.t_min)) return enter_only(view, plane.second(), state, observer);
     if (!(plane.t < state.t_max)) return enter_only(view, plane.first, state, observer);
     push(state, {plane.second(), state.t_max}, observer);

@@ -46,7 +46,7 @@ struct KdTreeStack {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.planes, state.node);
+    const KdCrossing plane = crossing(state.ray, state.node);
     // Branches, not selects: a predicted child is fetched before the distance is known, see bvh2_stack.h.
     if (!(plane.t > state.t_min)) return enter(view, plane.second(), state, observer);
     if (!(plane.t < state.t_max)) return enter(view, plane.first, state, observer);

@@ -7,10 +7,10 @@ namespace {
 
 TEST(Padding, GrowsWithTheExtentAndIsNeverZero) {
   const Vec3d pad = cell_padding({{0, 0, 5}, {1, 2, 5}});
-  const auto g = static_cast<double>(gamma(16));
-  EXPECT_EQ(pad.x, g * (1 + 4 * 2.0));
-  EXPECT_EQ(pad.y, g * (2 + 4 * 2.0));
-  EXPECT_EQ(pad.z, g * (0 + 4 * 2.0));
+  const auto extents = static_cast<double>(gamma(16)), coordinates = static_cast<double>(gamma(2));
+  EXPECT_EQ(pad.x, extents * (1 + 4 * 2.0) + coordinates * 1);
+  EXPECT_EQ(pad.y, extents * (2 + 4 * 2.0) + coordinates * 2);
+  EXPECT_EQ(pad.z, extents * (0 + 4 * 2.0) + coordinates * 5);
 }
 
 TEST(Padding, NothingHasNone) {
