@@ -79,9 +79,9 @@ class Build {
       while (resolution == last) resolution = choose_grid_resolution(bounds_, cells /= 2);
     }
     if (resolution != wanted)
-      context_.report.notes.push_back(
-          {"a grid of " + text_of(wanted) + " cells",
-           "made coarser: more than " + std::to_string(most_references_) + " references; raise max_references to allow them"});
+      context_.report.notes.push_back({"a grid of " + text_of(wanted) + " cells",
+                                       "made coarser, because its cells hold more than " + std::to_string(most_references_) +
+                                           " references; raise max_references to allow them"});
     return Done{};
   }
 
