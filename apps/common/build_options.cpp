@@ -34,6 +34,13 @@ std::vector<std::string_view> builders() {
   return names;
 }
 
+// The first method of a builder.
+std::string method_of(const std::string& builder) {
+  for (const MethodInfo& m : methods())
+    if (m.builder == builder) return m.name;
+  return {};
+}
+
 std::string builder_of(const std::string& method) {
   for (const MethodInfo& m : methods())
     if (m.name == method) return m.builder;
@@ -42,19 +49,19 @@ std::string builder_of(const std::string& method) {
 
 Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
 
-// The builder that --structure and --for agree on; by default that of the best method.
-Outcome<std::string> choose_builder(const std::string& structure, const std::string& method) {
+// The method to build for, which --structure and --for agree on; by default the best.
+Outcome<std::string> choose_method(const std::string& structure, const std::string& method) {
   const std::vector<std::string_view> known = builders();
   if (!structure.empty() && std::find(known.begin(), known.end(), structure) == known.end())
     return usage("--structure: " + unknown_name("structure", structure, known).message);
-  if (method.empty()) return structure.empty() ? builder_of(best_method()) : structure;
+  if (method.empty()) return structure.empty() ? best_method() : method_of(structure);
   const Result<std::string> found = find_method(method);
   if (!found) return usage("--for: " + found.message());
   const std::string builder = builder_of(*found);
   if (!structure.empty() && structure != builder)
     return usage("--structure " + structure + " and --for " + method + " contradict each other: " + *found + " traces '" +
                  builder + "'");
-  return builder;
+  return *found;
 }
 
 }  // namespace
@@ -68,6 +75,7 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
       ->type_name("FILE")
       ->group("Output");
   app.add_flag("--stats", settings.stats, "histograms and end-point overlap too; with it, -o may be left out")->group("Output");
+  app.add_flag("--explain", settings.explain, "what the build left out or added, and why")->group("Output");
   app.add_option("--json", settings.json, "report as JSON; - is standard output, in place of the text")
       ->type_name("FILE")
       ->group("Output");
@@ -76,7 +84,9 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   app.add_option("-s,--structure", structure, "what to build: " + join(names, ", ") + " [" + builder_of(best_method()) + "]")
       ->type_name("NAME")
       ->group("Build");
-  app.add_option("--for", method, "build what this method traces")->type_name("METHOD")->group("Build");
+  app.add_option("--for", method, "build what this method traces, with the arrays that it reads")
+      ->type_name("METHOD")
+      ->group("Build");
   app.add_flag("--list", settings.list, "list methods, structures and built-in scenes, and exit")->group("General");
   add_build_options(app, settings.build);
   add_common_options(app, settings.common);
@@ -94,9 +104,10 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
     return usage("where to? give -o FILE.accel, or --stats to build and only report");
   if (!settings.output.empty() && !settings.output.ends_with(".accel"))
     return usage("--output: '" + settings.output + "' should end in .accel, which is how accel-trace knows it");
-  auto builder = choose_builder(structure, method);
-  if (!builder) return builder.failure();
-  settings.builder = *std::move(builder);
+  auto chosen = choose_method(structure, method);
+  if (!chosen) return chosen.failure();
+  settings.method = *std::move(chosen);
+  settings.builder = builder_of(settings.method);
   if (auto writable = check_writable({settings.output, settings.json}); !writable) return writable.failure();
   return settings;
 }

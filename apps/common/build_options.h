@@ -16,9 +16,11 @@ struct BuildSettings {
   std::string scene;
   std::string output;   // empty: only report
   std::string builder;  // "sbvh"
+  std::string method;   // that the structure is for: of the builder's, the one that was asked for, or the first
   BuildOptions build;
-  bool stats = false;  // histograms, and what is expensive to compute
-  std::string json;    // empty: none; "-": standard output
+  bool stats = false;    // histograms, and what is expensive to compute
+  bool explain = false;  // what the build left out, and why
+  std::string json;      // empty: none; "-": standard output
 };
 
 // Errors are usage errors; names of structures and methods are looked up here.

@@ -52,6 +52,47 @@ std::string left_out_text(const Skipped& skipped) {
   return text;
 }
 
+std::string references_text(const BuildReport& build) {
+  const double triangles = static_cast<double>(std::max<std::uint64_t>(build.triangles, 1));
+  const double each = static_cast<double>(build.references) / triangles;
+  return "  " + counted(build.references, "reference") + " to " + counted(build.triangles, "triangle") +
+         (each < 2 ? print(" (duplication %.1f %%)", 100 * (each - 1)) : print(" (%.2f each)", each)) + "\n";
+}
+
+// One line on shape and quality, and for trees of cells one on what a random line meets.
+std::string quality_text(const StructureFacts& facts) {
+  std::vector<std::string> quality;
+  if (facts.depth) quality.push_back(std::to_string(*facts.depth) + " levels deep");
+  if (facts.resolution) quality.push_back(*facts.resolution + " cells");
+  if (facts.sah_cost) quality.push_back("SAH cost " + short_number(*facts.sah_cost));
+  if (facts.epo) quality.push_back("end-point overlap " + short_number(*facts.epo));
+  if (facts.leaf_size_mean)
+    quality.push_back(short_number(*facts.leaf_size_mean) + " triangles a leaf (variance " +
+                      short_number(*facts.leaf_size_variance) + ")");
+  std::vector<std::string> cells;
+  if (facts.inner_nodes) cells.push_back(counted(*facts.inner_nodes, "inner node"));
+  if (facts.leaves) cells.push_back(with_commas(*facts.leaves) + " leaves");
+  if (facts.empty_leaf_share) cells.push_back(print("%.1f %% of leaves empty", 100 * *facts.empty_leaf_share));
+  std::string text = quality.empty() ? "" : "  " + join(quality, ", ") + "\n";
+  if (!cells.empty()) text += "  " + join(cells, ", ") + "\n";
+  if (facts.expected_steps)
+    text += "  a random line expects " + short_number(*facts.expected_steps) + " steps and " +
+            short_number(*facts.expected_tests) + " triangle tests\n";
+  return text;
+}
+
+std::string notes_text(const std::vector<BuildNote>& notes) {
+  std::string text;
+  for (const BuildNote& note : notes) text += "  " + note.what + ": " + note.why + "\n";
+  return text.empty() ? "  nothing was left out\n" : text;
+}
+
+std::string arrays_text(const StructureFacts& facts) {
+  Table table({{"ARRAY", Align::left}, {"memory"}});
+  for (const auto& [name, bytes] : facts.arrays) table.add_row({name, bytes_text(bytes)});
+  return "\n" + table.text();
+}
+
 }  // namespace
 
 std::string build_report_text(const BuildRunReport& r, const BuildSettings& settings, const Terminal& terminal) {
@@ -61,23 +102,10 @@ std::string build_report_text(const BuildRunReport& r, const BuildSettings& sett
           " by " + counted(static_cast<std::uint64_t>(r.threads), "thread") + ": " + bytes_text(r.bytes);
   if (r.build.peak_bytes > 0) text += ", " + bytes_text(r.build.peak_bytes) + " while building";
   text += "\n" + phases_text(r.build);
-  const double triangles = static_cast<double>(std::max<std::uint64_t>(r.build.triangles, 1));
-  text += "  " + counted(r.build.references, "reference") + " to " + counted(r.build.triangles, "triangle") +
-          print(" (duplication %.1f %%)", 100 * (static_cast<double>(r.build.references) / triangles - 1));
-  std::vector<std::string> quality;
-  if (r.facts.depth) quality.push_back(std::to_string(*r.facts.depth) + " levels deep");
-  if (r.facts.resolution) quality.push_back(*r.facts.resolution + " cells");
-  if (r.facts.empty_leaf_share) quality.push_back(print("%.1f %% of leaves empty", 100 * *r.facts.empty_leaf_share));
-  if (r.facts.references_per_triangle)
-    quality.push_back(short_number(*r.facts.references_per_triangle) + " references a triangle");
-  if (r.facts.sah_cost) quality.push_back("SAH cost " + short_number(*r.facts.sah_cost));
-  if (r.facts.epo) quality.push_back("end-point overlap " + short_number(*r.facts.epo));
-  if (r.facts.leaf_size_mean)
-    quality.push_back(short_number(*r.facts.leaf_size_mean) + " triangles a leaf (variance " +
-                      short_number(*r.facts.leaf_size_variance) + ")");
-  text += quality.empty() ? "\n" : "\n  " + join(quality, ", ") + "\n";
-  text += left_out_text(r.build.skipped);
+  text += references_text(r.build) + quality_text(r.facts) + left_out_text(r.build.skipped);
+  if (settings.explain) text += notes_text(r.build.notes);
   if (settings.stats) {
+    text += arrays_text(r.facts);
     text += histogram_text(r.facts.leaf_sizes, "LEAF SIZE", terminal);
     text += histogram_text(r.facts.leaf_depths, "LEAF DEPTH", terminal);
   }
@@ -111,6 +139,14 @@ std::string build_report_json(const BuildRunReport& r, const BuildSettings& sett
   if (r.facts.sah_cost) row["sah_cost"] = *r.facts.sah_cost;
   if (r.facts.epo) row["epo"] = *r.facts.epo;
   if (r.facts.leaf_size_variance) row["leaf_size_variance"] = *r.facts.leaf_size_variance;
+  if (r.facts.inner_nodes) row["inner_nodes"] = *r.facts.inner_nodes;
+  if (r.facts.leaves) row["leaves"] = *r.facts.leaves;
+  if (r.facts.leaf_size_mean) row["leaf_size_mean"] = *r.facts.leaf_size_mean;
+  if (r.facts.expected_steps) row["expected_steps"] = *r.facts.expected_steps;
+  if (r.facts.expected_tests) row["expected_tests"] = *r.facts.expected_tests;
+  for (const auto& [name, bytes] : r.facts.arrays) row["array_bytes"][name] = bytes;
+  row["notes"] = Json::array();
+  for (const BuildNote& note : r.build.notes) row["notes"].push_back({{"what", note.what}, {"why", note.why}});
   if (!r.facts.leaf_sizes.empty()) row["leaf_sizes"] = r.facts.leaf_sizes;
   if (!r.facts.leaf_depths.empty()) row["leaf_depths"] = r.facts.leaf_depths;
   const Json context = {{"executable", "accel-build"},    {"command_line", settings.common.command_line},

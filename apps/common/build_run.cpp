@@ -27,7 +27,9 @@ std::map<std::string, std::string> option_texts(const BuildOptions& options) {
           {"spatial_overlap", text(options.spatial_overlap)},
           {"max_duplication", text(options.max_duplication)},
           {"grid_resolution", resolution_text(options.grid_resolution)},
-          {"grid_density", text(options.grid_density)}};
+          {"grid_density", text(options.grid_density)},
+          {"empty_bonus", text(options.empty_bonus)},
+          {"max_references", text(options.max_references)}};
 }
 
 AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const StructureFacts& facts, const BuildOptions& options) {
@@ -49,13 +51,6 @@ AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const Struc
   return metadata;
 }
 
-// Any of the builder's methods: they share the structure.
-Result<AnyAccel> build_structure(const Scene& scene, const std::string& builder, const BuildOptions& options) {
-  const auto method =
-      std::find_if(methods().begin(), methods().end(), [&](const MethodInfo& m) { return m.builder == builder; });
-  return AnyAccel::build(scene.mesh(), method->name, options);
-}
-
 }  // namespace
 
 Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& bar) {
@@ -66,7 +61,7 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
   bar.begin("building " + settings.builder);
   BuildOptions options = settings.build;
   options.progress = bar.callback();
-  const auto accel = build_structure(*scene, settings.builder, options);
+  const auto accel = AnyAccel::build(scene->mesh(), settings.method, options);
   if (!accel) return accel.error();
 
   const StructureFacts facts = facts_of(accel->structure(), options, settings.stats ? Detail::all : Detail::quick);

@@ -5,6 +5,7 @@
 #include "libaccel/registry/structures.h"
 #include "libaccel/structure/bvh2_stats.h"
 #include "libaccel/structure/grid_stats.h"
+#include "libaccel/structure/kdtree_stats.h"
 
 namespace accel::apps {
 
@@ -18,6 +19,7 @@ StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detai
   StructureFacts facts;
   facts.sah_cost = stats.sah_cost;
   facts.depth = stats.depth;
+  facts.inner_nodes = stats.inner_nodes, facts.leaves = stats.leaves;
   facts.leaf_size_mean = stats.mean_leaf_size;
   facts.leaf_size_variance = stats.leaf_size_variance;
   facts.leaf_sizes = stats.leaves_by_size;
@@ -45,6 +47,23 @@ StructureFacts facts_of_kind(const Grid& grid, const BuildOptions& options, Deta
   return facts;
 }
 
+StructureFacts facts_of_kind(const KdTree& tree, const BuildOptions& options, Detail) {
+  const KdTreeStats stats = kdtree_stats(tree);
+  StructureFacts facts;
+  facts.sah_cost = stats.sah_cost(options.traversal_cost, options.intersection_cost);
+  facts.expected_steps = stats.expected_steps, facts.expected_tests = stats.expected_tests;
+  facts.depth = stats.depth;
+  facts.inner_nodes = stats.inner_nodes, facts.leaves = stats.leaves;
+  facts.leaf_size_mean = stats.mean_leaf_size;
+  facts.leaf_size_variance = stats.leaf_size_variance;
+  facts.leaf_sizes = stats.leaves_by_size;
+  facts.leaf_depths = stats.leaves_by_depth;
+  facts.references_per_triangle = stats.references_per_triangle();
+  facts.empty_leaf_share =
+      static_cast<double>(stats.empty_leaves) / static_cast<double>(std::max<std::uint64_t>(stats.leaves, 1));
+  return facts;
+}
+
 // Structures of other kinds say at least how deep they are, if they are trees.
 template <class Structure>
 StructureFacts facts_of_kind(const Structure& structure, const BuildOptions&, Detail) {
@@ -53,10 +72,19 @@ StructureFacts facts_of_kind(const Structure& structure, const BuildOptions&, De
   return facts;
 }
 
+template <class Structure>
+StructureFacts facts_with_arrays(const Structure& structure, const BuildOptions& options, Detail detail) {
+  StructureFacts facts = facts_of_kind(structure, options, detail);
+  Structure::for_each_array(structure, [&](std::string_view name, const auto& array) {
+    if (!array.empty()) facts.arrays.emplace_back(name, array.size_bytes());
+  });
+  return facts;
+}
+
 }  // namespace
 
 StructureFacts facts_of(const AnyStructure& structure, const BuildOptions& options, Detail detail) {
-  return visit_structure(structure, [&](const auto& s) { return facts_of_kind(s, options, detail); })
+  return visit_structure(structure, [&](const auto& s) { return facts_with_arrays(s, options, detail); })
       .value_or(StructureFacts{});
 }
 

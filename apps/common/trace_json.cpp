@@ -52,6 +52,8 @@ Json context_json(const TraceReport& report, const TraceSettings& settings) {
   for (const auto& [name, version] : versions()) versions_json[name] = version;
   Json skipped = Json::array();
   for (const Skip& skip : report.skipped) skipped.push_back({{"what", skip.what}, {"because", skip.why}});
+  Json notes = Json::array();
+  for (const BuildNote& note : report.notes) notes.push_back({{"what", note.what}, {"why", note.why}});
   Json structures = Json::array();
   for (const StructureRow& row : report.structures) structures.push_back(structure_json(row));
   return {{"date", date_text()},
@@ -76,6 +78,7 @@ Json context_json(const TraceReport& report, const TraceSettings& settings) {
           {"check", report.checked_by},
           {"witness", report.witness},
           {"structures", structures},
+          {"notes", notes},
           {"skipped", skipped}};
 }
 

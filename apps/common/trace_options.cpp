@@ -119,6 +119,7 @@ void add_outputs(CLI::App& app, TraceSettings& settings) {
   add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
   add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
   add("--hits-out", settings.hits_out, "their hits, by the first method; of any-hit kinds t = 0 if occluded");
+  app.add_flag("--explain", settings.explain, "what builds left out or added for the methods, and why")->group("Output");
   add("--repro", settings.repro, "how names of files that reproduce wrong hits begin [accel-repro]");
 }
 

@@ -37,6 +37,8 @@ struct TraceSettings {
   bool profile_simt = false;
   SimtSchedule schedule = SimtSchedule::while_while;
 
+  bool explain = false;  // what builds left out, and why
+
   // Output files; empty: none.
   std::string json, image, heatmap, diff, rays_out, hits_out;
   std::string repro = "accel-repro";  // how the names of repro bundles begin

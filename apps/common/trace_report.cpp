@@ -204,6 +204,12 @@ std::string skipped_section(const TraceReport& report) {
   return text.empty() ? text : "\n" + text;
 }
 
+std::string explanations(const TraceReport& report) {
+  std::string text;
+  for (const BuildNote& note : report.notes) text += "  " + note.what + ": " + note.why + "\n";
+  return text.empty() ? "\n  nothing was left out\n" : "\n" + text;
+}
+
 template <class Condition>
 bool any_row(const TraceReport& report, Condition condition) {
   return std::any_of(report.rows.begin(), report.rows.end(), condition);
@@ -230,6 +236,7 @@ std::string report_text(const TraceReport& report, const TraceSettings& settings
                      structures_section(report, terminal) + speed_section(report, settings, terminal);
   if (checked) text += verdict_section(report, terminal) + adjudication_section(report, terminal);
   if (profiled) text += simt_section(report, terminal);
+  if (settings.explain) text += explanations(report);
   return text + skipped_section(report);
 }
 

@@ -55,7 +55,8 @@ struct TraceReport {
   std::string witness;     // "Embree 3.13.5 (avx2)", or empty
   std::string checked_by;  // what --check amounts to, in words
   std::vector<StructureRow> structures;
-  std::vector<TraceRow> rows;  // by kind of rays, the witness last
+  std::vector<TraceRow> rows;    // by kind of rays, the witness last
+  std::vector<BuildNote> notes;  // of the builds, each once
   std::vector<Skip> skipped;
 
   std::uint64_t failures() const;

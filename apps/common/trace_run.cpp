@@ -69,8 +69,17 @@ class TraceRun {
                                  it_has(facts.out_of_range) + " a coordinate that is not finite or too large"});
   }
 
+  // Methods that share a structure share most of its notes.
+  void take_notes(const std::vector<BuildNote>& notes) {
+    for (const BuildNote& note : notes) {
+      const auto is_same = [&](const BuildNote& other) { return other.what == note.what && other.why == note.why; };
+      if (std::none_of(report_.notes.begin(), report_.notes.end(), is_same)) report_.notes.push_back(note);
+    }
+  }
+
   void describe_structures(const MethodSet& set, const Checker& checker) {
     report_.structures = set.structures;
+    for (const MethodSet::Member& member : set.members) take_notes(member.accel.report().notes);
     report_.checked_by = checker.description();
     report_.witness = checker.witness_name();
     if (checker.fast()) {

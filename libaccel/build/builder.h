@@ -46,7 +46,7 @@ struct BuildOptions {
 
   // Kd-trees. They need bins and max_leaf_size for nothing: every plane is tried, and leaves end where the cost model says so.
   // Planes that cut off empty space are made cheaper by this share of their cost.
-  float empty_bonus = 0.2f;
+  float empty_bonus = 0.1f;
   // Most references in the leaves of kd-trees and grids, per triangle. Nodes share what there is in proportion to their
   // triangles.
   float max_references = 16.0f;

@@ -7,7 +7,7 @@
 namespace accel {
 namespace {
 
-KdPlane sweep_axis(const KdSet& set, int axis, const KdCosts& costs) {
+KdPlane sweep_axis(const KdSet& set, int axis, const KdCosts& costs, double most) {
   const KdEventList& list = set.axis[axis];
   const double lo = set.cell.lo[axis], hi = set.cell.hi[axis];
   const int b = axis == 2 ? 0 : axis + 1, c = axis == 0 ? 2 : axis - 1;
@@ -31,7 +31,13 @@ KdPlane sweep_axis(const KdSet& set, int axis, const KdCosts& costs) {
     const double lower = (position - lo) * rim + section, upper = (hi - position) * rim + section;
     double cost = step + test * (lower * below + upper * above);
     cost = below == 0 || above == 0 ? cost * bonus : cost;
-    if (cost < best.cost && std::uint64_t{below} + above <= set.limit) best.cost = cost, best.position = position;
+    if (cost < most) {
+      if (std::uint64_t{below} + above <= set.limit) {
+        most = best.cost = cost, best.position = position;
+      } else {
+        best.is_limited = true;
+      }
+    }
     below += start;
   }
   return best;
@@ -39,16 +45,17 @@ KdPlane sweep_axis(const KdSet& set, int axis, const KdCosts& costs) {
 
 }  // namespace
 
-KdPlane cheapest_plane(const KdSet& set, const KdCosts& costs) {
+KdPlane cheapest_plane(const KdSet& set, const KdCosts& costs, double most) {
   KdPlane planes[3];
   if (set.size < kParallelSize) {
-    for (int a = 0; a < 3; ++a) planes[a] = sweep_axis(set, a, costs);
+    for (int a = 0; a < 3; ++a) planes[a] = sweep_axis(set, a, costs, most);
   } else {
-    tbb::parallel_for(0, 3, [&](int a) { planes[a] = sweep_axis(set, a, costs); });
+    tbb::parallel_for(0, 3, [&](int a) { planes[a] = sweep_axis(set, a, costs, most); });
   }
   KdPlane best = planes[0];
   for (int a = 1; a < 3; ++a)
     if (planes[a].cost < best.cost) best = planes[a];
+  best.is_limited = planes[0].is_limited || planes[1].is_limited || planes[2].is_limited;
   return best;
 }
 

@@ -22,12 +22,13 @@ struct KdPlane {
   int axis = 0;
   float position = 0;
   double cost = std::numeric_limits<double>::infinity();  // as above, times the node's half area
+  bool is_limited = false;                                // a cheaper plane was refused for set.limit's sake
 
   bool found() const { return cost < std::numeric_limits<double>::infinity(); }
 };
 
-// The cheapest plane strictly within the set's cell that makes at most set.limit references of it. Of equals, the first axis
-// and the lowest plane. O(n), on several threads where the set is large.
-KdPlane cheapest_plane(const KdSet& set, const KdCosts& costs);
+// The cheapest plane strictly within the set's cell that costs less than `most` and makes at most set.limit references of the
+// set. Of equals, the first axis and the lowest plane. O(n), on several threads where the set is large.
+KdPlane cheapest_plane(const KdSet& set, const KdCosts& costs, double most = std::numeric_limits<double>::infinity());
 
 }  // namespace accel

@@ -1,9 +1,10 @@
 #include "libaccel/build/kdtree_sah.h"
 
 #include <algorithm>
-#include <atomic>
-#include <bit>
 #include <cmath>
+#include <memory>
+#include <mutex>
+#include <string>
 
 #include <tbb/task_group.h>
 
@@ -17,6 +18,20 @@ namespace {
 // Sets above this are split one by one, their children in concurrent tasks; a smaller set becomes a treelet, built by one task.
 constexpr std::size_t kKdTaskSize = 8192;
 
+// What the build has to say about itself. Sums, so that they do not depend on the order of tasks.
+struct KdTally {
+  int least_levels = kMaxBuildDepth;  // that any leaf had left
+  std::uint64_t dropped_parts = 0;    // of triangles, in cells that only their boxes come near
+  std::uint64_t limited_leaves = 0;   // which would have been split if there had been room for more references
+  std::uint64_t bottom_leaves = 0;    // which had triangles, but no level left
+
+  KdTally& operator+=(const KdTally& other) {
+    least_levels = std::min(least_levels, other.least_levels);
+    dropped_parts += other.dropped_parts, limited_leaves += other.limited_leaves, bottom_leaves += other.bottom_leaves;
+    return *this;
+  }
+};
+
 class KdTreeBuilder {
  public:
   KdTreeBuilder(BuildContext& context, const KdSplitter& splitter, const KdCosts& costs, ProgressMeter& progress)
@@ -25,21 +40,19 @@ class KdTreeBuilder {
   // The tree over a set that lies in `memory`. When progress says stop, what is left is put into leaves.
   std::unique_ptr<KdSubtree> build(const KdSet& set, ScratchStack memory) {
     auto tree = std::make_unique<KdSubtree>();
-    if (set.size <= kKdTaskSize) {
-      build_treelet(set, memory, tree->treelet);
-      return tree;
-    }
-    const KdPlane plane = choose_plane(set);
+    const KdPlane plane = set.size > kKdTaskSize ? choose_plane(set) : KdPlane{};
     if (!plane.found()) {
       build_treelet(set, memory, tree->treelet);
       return tree;
     }
+    KdTally tally;
     KdSet children[2];
     ScratchStack lower(context_.memory), upper(context_.memory);
     {
-      ScratchStack own = std::move(memory);
-      splitter_.split(set, plane, own, lower, upper, children);
+      ScratchStack own = std::move(memory);  // given up before the children are built
+      tally.dropped_parts = splitter_.split(set, plane, own, lower, upper, children);
     }
+    add(tally);
     tree->axis = plane.axis, tree->position = plane.position;
     tbb::task_group group;
     group.run([&] { tree->child[1] = build(children[1], std::move(upper)); });
@@ -48,58 +61,67 @@ class KdTreeBuilder {
     return tree;
   }
 
-  // The fewest levels that any leaf had left.
-  int least_levels() const { return least_levels_.load(); }
+  const KdTally& tally() const { return tally_; }
 
  private:
+  // The memory and the results of one task.
+  struct Task {
+    ScratchStack& memory;
+    ScratchStack scratch;
+    KdTreelet& treelet;
+    KdTally tally;
+  };
+
   void build_treelet(const KdSet& set, ScratchStack& memory, KdTreelet& treelet) {
-    ScratchStack scratch(context_.memory);
-    int least_levels = set.levels;
-    treelet.root = build_node(set, memory, scratch, treelet, least_levels);
+    Task task{memory, ScratchStack(context_.memory), treelet, {}};
+    treelet.root = build_node(set, task);
     context_.memory.add(treelet.size_bytes());
     progress_.advance(set.limit);
-    for (int seen = least_levels_.load(); least_levels < seen && !least_levels_.compare_exchange_weak(seen, least_levels);) {
-    }
+    add(task.tally);
   }
 
-  KdNode build_node(const KdSet& set, ScratchStack& memory, ScratchStack& scratch, KdTreelet& treelet, int& least_levels) {
+  KdNode build_node(const KdSet& set, Task& task) {
     const KdPlane plane = choose_plane(set);
-    if (!plane.found()) {
-      least_levels = std::min(least_levels, set.levels);
-      return build_leaf(set, treelet);
-    }
-    const ScratchStack::Mark mark = memory.mark();
+    if (!plane.found()) return build_leaf(set, plane, task);
+    const ScratchStack::Mark mark = task.memory.mark();
     KdSet children[2];
-    splitter_.split(set, plane, scratch, memory, memory, children);
-    const std::size_t pair = treelet.nodes.size();
-    treelet.nodes.resize(pair + 2);
+    task.tally.dropped_parts += splitter_.split(set, plane, task.scratch, task.memory, task.memory, children);
+    const std::size_t pair = task.treelet.nodes.size();
+    task.treelet.nodes.resize(pair + 2);
     for (int c = 0; c < 2; ++c) {
-      const KdNode child = build_node(children[c], memory, scratch, treelet, least_levels);
-      treelet.nodes[pair + c] = child;
+      const KdNode child = build_node(children[c], task);
+      task.treelet.nodes[pair + c] = child;
     }
-    memory.release(mark);
+    task.memory.release(mark);
     return KdNode::inner(plane.axis, plane.position, static_cast<std::uint32_t>(pair));
   }
 
-  static KdNode build_leaf(const KdSet& set, KdTreelet& treelet) {
-    const KdNode leaf = treelet.add_leaf(set.size);
-    for (std::uint32_t i = 0; i < set.size; ++i) treelet.references.push_back(set.references[i].prim_id);
-    if (set.size > 0) treelet.references.back() |= kLastReference;
+  static KdNode build_leaf(const KdSet& set, const KdPlane& plane, Task& task) {
+    task.tally += {set.levels, 0, plane.is_limited ? 1u : 0u, set.levels == 0 && set.size > 0 ? 1u : 0u};
+    const KdNode leaf = task.treelet.add_leaf(set.size);
+    for (std::uint32_t i = 0; i < set.size; ++i) task.treelet.references.push_back(set.references[i].prim_id);
+    if (set.size > 0) task.treelet.references.back() |= kLastReference;
     return leaf;
   }
 
-  // The cheapest plane, if the set is better split there than left whole.
+  // The cheapest plane, if the set is better split there than left whole; else one that is not found().
   KdPlane choose_plane(const KdSet& set) const {
     if (set.size == 0 || set.levels == 0 || progress_.stopped()) return {};
-    const KdPlane plane = cheapest_plane(set, costs_);
-    return plane.cost < costs_.intersection * half_area_in_double(set.cell) * set.size ? plane : KdPlane{};
+    const double leaf_cost = costs_.intersection * half_area_in_double(set.cell) * set.size;
+    return cheapest_plane(set, costs_, leaf_cost);
+  }
+
+  void add(const KdTally& tally) {
+    const std::lock_guard lock(mutex_);
+    tally_ += tally;
   }
 
   BuildContext& context_;
   const KdSplitter& splitter_;
   const KdCosts costs_;
   ProgressMeter& progress_;
-  std::atomic<int> least_levels_{kMaxBuildDepth};
+  std::mutex mutex_;
+  KdTally tally_;
 };
 
 // Wald and Havran 2006, section 3.3 "maximum depth", within what traversers have room for.
@@ -110,6 +132,16 @@ int most_levels(std::size_t triangles, const BuildOptions& options) {
 
 std::uint64_t most_references(std::size_t triangles, const BuildOptions& options) {
   return static_cast<std::uint64_t>(static_cast<double>(triangles) * options.max_references);
+}
+
+// What users may wonder about.
+void explain(const KdTally& tally, int levels, BuildReport& report) {
+  const auto note = [&](std::uint64_t count, const char* what, const std::string& why) {
+    if (count > 0) report.notes.push_back({std::to_string(count) + " " + what, why});
+  };
+  note(tally.dropped_parts, "parts of triangles", "skipped, because only the triangle's box reaches into the cell");
+  note(tally.limited_leaves, "splits", "skipped, because they would make more references than max_references allows");
+  note(tally.bottom_leaves, "leaves", "not split further, because they lie " + std::to_string(levels) + " levels deep");
 }
 
 KdCosts costs_of(const BuildOptions& options) {
@@ -141,7 +173,8 @@ Result<Built<KdTree>> KdTreeSah::build(const TriangleMesh& mesh, const BuildOpti
     Result<KdTree> tree = emit_kdtree(context, *subtree);
     if (!tree) return tree;
     tree->bounds = root.cell;
-    tree->depth = static_cast<std::uint32_t>(root.levels - builder.least_levels());
+    tree->depth = static_cast<std::uint32_t>(root.levels - builder.tally().least_levels);
+    explain(builder.tally(), root.levels, context.report);
     return tree;
   });
 }

@@ -145,8 +145,8 @@ KdSet KdSplitter::root_set(const Reference* references, std::size_t count, Scrat
   return set;
 }
 
-void KdSplitter::split(const KdSet& set, const KdPlane& plane, ScratchStack& scratch, ScratchStack& lower_memory,
-                       ScratchStack& upper_memory, KdSet (&children)[2]) const {
+std::size_t KdSplitter::split(const KdSet& set, const KdPlane& plane, ScratchStack& scratch, ScratchStack& lower_memory,
+                              ScratchStack& upper_memory, KdSet (&children)[2]) const {
   const ScratchStack::Mark mark = scratch.mark();
   for (KdSet& child : children) child.cell = set.cell, child.levels = set.levels - 1;
   children[0].cell.hi[plane.axis] = children[1].cell.lo[plane.axis] = plane.position;
@@ -170,6 +170,7 @@ void KdSplitter::split(const KdSet& set, const KdPlane& plane, ScratchStack& scr
     });
   }
   scratch.release(mark);
+  return set.size + work.straddler_count - children[0].size - children[1].size;
 }
 
 // Says for each reference which cells it has a part in, by its box.

@@ -32,9 +32,10 @@ class KdSplitter {
   KdSet root_set(const Reference* references, std::size_t count, ScratchStack& memory) const;
 
   // Splits `set`, whose levels are not 0, at a plane strictly within its cell. Children lie in the memory of their own;
-  // `scratch` is as before when the function returns. The children's limits add up to the set's.
-  void split(const KdSet& set, const KdPlane& plane, ScratchStack& scratch, ScratchStack& lower_memory,
-             ScratchStack& upper_memory, KdSet (&children)[2]) const;
+  // `scratch` is as before when the function returns. The children's limits add up to the set's. Returns how many parts of cut
+  // references were dropped, since the triangle itself does not come near the cell.
+  std::size_t split(const KdSet& set, const KdPlane& plane, ScratchStack& scratch, ScratchStack& lower_memory,
+                    ScratchStack& upper_memory, KdSet (&children)[2]) const;
 
  private:
   struct Straddler;

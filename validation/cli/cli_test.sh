@@ -188,7 +188,7 @@ test_build_options_change_the_structure() {
 
 test_grids() {
   needs_python
-  expect 0 build builtin:soup:5000 --structure grid --stats; says out "references a triangle"; says out "LEAF SIZE"
+  expect 0 build builtin:soup:5000 --structure grid --stats; says out "references to 5,000 triangles"; says out "LEAF SIZE"
   expect 0 build builtin:soup:5000 --structure grid --grid-resolution 10 --json -
   json out 'j["benchmarks"][0]["resolution"] == "10 x 10 x 10"'
   expect 0 build builtin:soup:5000 --structure grid --grid-resolution 4x5x6 -o grid.accel; says out "4 x 5 x 6 cells"
