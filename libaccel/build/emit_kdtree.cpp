@@ -4,6 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "libaccel/build/kdtree_layout.h"
 #include "libaccel/build/parallel.h"
 
 namespace accel {
@@ -13,6 +14,7 @@ namespace {
 struct Placement {
   const KdTreelet* treelet;
   std::uint64_t first_node, first_reference, first_leaf;
+  std::uint64_t root = 0;  // where its root goes: the pair of an upper node
 };
 
 // The final places of all subtrees, in depth-first order.
@@ -31,21 +33,23 @@ struct Layout {
   }
 };
 
-KdNode placed(const KdNode& node, const Placement& place) {
+// A node of a treelet as the tree has it; `pairs` are the new places of the treelet's pairs.
+KdNode placed(const KdNode& node, const Placement& place, const std::vector<std::uint32_t>& pairs) {
   if (!node.is_leaf())
-    return KdNode::inner(node.axis(), node.plane(), static_cast<std::uint32_t>(node.lower_child() + place.first_node));
+    return KdNode::inner(node.axis(), node.plane(),
+                         static_cast<std::uint32_t>(2 * pairs[pair_of(node.lower_child())] + place.first_node));
   const std::uint32_t first = node.first_reference();
   return KdNode::leaf(first == kEmptyLeaf ? first : static_cast<std::uint32_t>(first + place.first_reference),
                       static_cast<std::uint32_t>(node.ordinal() + place.first_leaf));
 }
 
 // Writes the upper nodes, in the order in which Layout counted them.
-void emit_upper(const KdSubtree& tree, std::uint64_t index, const Placement*& next_place, std::uint64_t& next_node,
+void emit_upper(const KdSubtree& tree, std::uint64_t index, Placement*& next_place, std::uint64_t& next_node,
                 Buffer<KdNode>& nodes) {
   if (tree.is_treelet()) {
-    const Placement& place = *next_place++;
+    Placement& place = *next_place++;
     next_node += place.treelet->nodes.size();
-    nodes[index] = placed(place.treelet->root, place);
+    place.root = index;
     return;
   }
   const std::uint64_t pair = next_node;
@@ -55,10 +59,13 @@ void emit_upper(const KdSubtree& tree, std::uint64_t index, const Placement*& ne
 }
 
 void emit_treelet(const Placement& place, KdTree& tree) {
-  KdNode* node = tree.nodes.data() + place.first_node;
-  for (const KdNode& local : place.treelet->nodes) *node++ = placed(local, place);
-  std::copy(place.treelet->references.begin(), place.treelet->references.end(),
-            tree.leaves.references.data() + place.first_reference);
+  const KdTreelet& treelet = *place.treelet;
+  const std::vector<std::uint32_t> pairs = clustered_pairs(treelet.nodes, treelet.root, treelet.cell, place.first_node / 2);
+  KdNode* const nodes = tree.nodes.data() + place.first_node;
+  for (std::size_t i = 0; i < treelet.nodes.size(); ++i)
+    nodes[2 * pairs[i / 2] + i % 2] = placed(treelet.nodes[i], place, pairs);
+  tree.nodes[place.root] = placed(treelet.root, place, pairs);
+  std::copy(treelet.references.begin(), treelet.references.end(), tree.leaves.references.data() + place.first_reference);
 }
 
 // Gives slots to triangles in the order of their first references, and turns prim_ids into slots. Returns prim_ids by slot.
@@ -107,7 +114,7 @@ Result<KdTree> emit_kdtree(BuildContext& context, const KdSubtree& subtree) {
   context.memory.add(tree.size_bytes());
   context.report.references = layout.references;
 
-  const Placement* next_place = layout.placements.data();
+  Placement* next_place = layout.placements.data();
   std::uint64_t next_node = 2;
   tree.nodes[1] = KdNode::leaf(kEmptyLeaf, 0);
   emit_upper(subtree, 0, next_place, next_node, tree.nodes);

@@ -16,6 +16,7 @@
 namespace accel {
 
 struct KdTreelet {
+  Aabb cell;
   KdNode root{};                          // a leaf, or an inner node with children in `nodes`
   std::vector<KdNode> nodes;              // pairs; children and references are relative to the treelet's firsts
   std::vector<std::uint32_t> references;  // prim_ids of the leaves, the last one of each marked

@@ -74,6 +74,7 @@ class KdTreeBuilder {
 
   void build_treelet(const KdSet& set, ScratchStack& memory, KdTreelet& treelet) {
     Task task{memory, ScratchStack(context_.memory), treelet, {}};
+    treelet.cell = set.cell;
     treelet.root = build_node(set, task);
     context_.memory.add(treelet.size_bytes());
     progress_.advance(set.limit);
