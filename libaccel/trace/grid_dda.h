@@ -7,22 +7,20 @@
 //
 // Deviations. The distance of a plane is computed from the plane's number whenever it is needed, by the one expression
 // (plane - org) * inv_dir, and never accumulated: the cells of a ray do not depend on where it started. The walk ends when a
-// hit is no farther than the exit of its cell, not when it lies in the cell.
+// hit is nearer than the exit of the cell, not when it lies in the cell: at the exit itself a tie may wait behind it.
 //
 // Why this loses nothing, without an epsilon: the distances of an axis' planes are monotone, so the cells visited are those of
 // a curve that the padding allows for (structure/padding.h), and all distances up to a cell's exit belong to cells visited so
 // far. The first cell is guessed, then moved until it holds the start of the interval, distance(enter) <= t < distance(exit) in
-// each axis; planes at the same distance are crossed one after the other, x first. A direction component of either zero has
-// inv_dir = +inf: planes are at -inf or +inf, or at NaN where the ray runs in them, which counts as not crossed. Every step
-// moves on by one cell along the ray, so there are at most the sum of the resolutions of them.
-//
-// Where all components of a direction are below 1e-33, 1 / dir may overflow for some of them beside hits at representable
-// distances, which may then be lost.
+// each axis; planes at the same distance are crossed one after the other, x first. A plane that contains the ray is at NaN,
+// which counts as not crossed. Every step moves on by one cell along the ray, so there are at most the sum of the resolutions
+// of them. Origins far away and tiny directions: trace/cell_ray.h.
 #pragma once
 
 #include <limits>
 
 #include "libaccel/structure/grid.h"
+#include "libaccel/trace/cell_ray.h"
 #include "libaccel/trace/reference_leaf.h"
 
 namespace accel {
@@ -37,8 +35,8 @@ struct GridTraverser {
 
   struct State {
     typename Test::RayData test;
+    CellRay ray;
     float t_min;
-    Vec3 inv_dir;
     Vec3 exit;          // the number of the plane through which the ray leaves the cell along each axis
     Vec3 t_exit;        // and its distance; never NaN
     std::int32_t cell;  // the current one
@@ -54,25 +52,18 @@ struct GridTraverser {
     state.t_min = first_t(ray);
     state.test = Test::prepare(ray);
     if (view.cells == nullptr || !is_traceable(ray)) return Phase::done;
-    float t_enter = state.t_min, t_leave = hit.t;
-    for (int a = 0; a < 3; ++a) {
-      state.inv_dir[a] = ray.dir[a] == 0 ? std::numeric_limits<float>::infinity() : 1.0f / ray.dir[a];
-      const auto first = 0.0f, last = static_cast<float>(view.frame.resolution[a]);
-      const bool backwards = is_backwards(state, a);
-      // A NaN is a face that the ray runs in, and leaves the interval alone.
-      t_enter = max_of(distance(view, ray, state, a, backwards ? last : first), t_enter);
-      t_leave = min_of(distance(view, ray, state, a, backwards ? first : last), t_leave);
-    }
-    if (!(t_enter <= t_leave)) return Phase::done;
+    const Aabb bounds = view.frame.bounds();
+    state.ray = CellRay::prepare(ray, bounds);
+    const float t_enter = state.ray.entry(bounds, state.ray.begin(state.t_min));
+    if (!(t_enter <= state.ray.exit(bounds, state.ray.end(hit.t)))) return Phase::done;
 
-    const Vec3 cell{start(view, ray, state, 0, t_enter), start(view, ray, state, 1, t_enter),
-                    start(view, ray, state, 2, t_enter)};
+    const Vec3 cell{start(view, state, 0, t_enter), start(view, state, 1, t_enter), start(view, state, 2, t_enter)};
     const GridResolution& cells = view.frame.resolution;
     state.cell = (static_cast<std::int32_t>(cell.z) * cells.y + static_cast<std::int32_t>(cell.y)) * cells.x +
                  static_cast<std::int32_t>(cell.x);
     for (int a = 0; a < 3; ++a) {
       state.exit[a] = is_backwards(state, a) ? cell[a] : cell[a] + 1.0f;
-      const float t = distance(view, ray, state, a, state.exit[a]);
+      const float t = distance(view, state, a, state.exit[a]);
       state.t_exit[a] = t == t ? t : std::numeric_limits<float>::infinity();
     }
     state.mailbox.clear();
@@ -80,16 +71,16 @@ struct GridTraverser {
   }
 
   template <class Observer>
-  ACCEL_HD static Phase descend(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
+  ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
     observer.node_step();
     const Vec3 t = state.t_exit;
     bool inside;
     if (t.x <= t.y && t.x <= t.z) {
-      inside = cross<0>(view, ray, state, hit);
+      inside = cross<0>(view, state, hit);
     } else if (t.y <= t.z) {
-      inside = cross<1>(view, ray, state, hit);
+      inside = cross<1>(view, state, hit);
     } else {
-      inside = cross<2>(view, ray, state, hit);
+      inside = cross<2>(view, state, hit);
     }
     return inside ? enter(view, state, observer) : Phase::done;
   }
@@ -105,38 +96,39 @@ struct GridTraverser {
   }
 
  private:
-  ACCEL_HD static bool is_backwards(const State& state, int axis) { return state.inv_dir[axis] < 0; }
+  ACCEL_HD static bool is_backwards(const State& state, int axis) { return state.ray.backwards(axis) != 0; }
 
   // Where the ray meets a plane, named by its number.
-  ACCEL_HD static float distance(const View& view, const Ray& ray, const State& state, int axis, float plane) {
-    return (view.frame.plane(axis, plane) - ray.org[axis]) * state.inv_dir[axis];
+  ACCEL_HD static float distance(const View& view, const State& state, int axis, float plane) {
+    return state.ray.crossing(axis, view.frame.plane(axis, plane));
   }
 
   // The number of the cell along an axis that holds the ray at distance t. At most all cells of the axis are looked at; almost
   // always the guess is right.
-  ACCEL_HD static float start(const View& view, const Ray& ray, const State& state, int axis, float t) {
+  ACCEL_HD static float start(const View& view, const State& state, int axis, float t) {
     const float forward = is_backwards(state, axis) ? -1.0f : 1.0f, upper = is_backwards(state, axis) ? 0.0f : 1.0f;
     const auto last = static_cast<float>(view.frame.resolution[axis] - 1);
-    const float place = ((ray.org[axis] + t * ray.dir[axis]) - view.frame.lo[axis]) / view.frame.cell_size[axis];
+    const float place =
+        ((state.ray.org[axis] + t / state.ray.inv_dir[axis]) - view.frame.lo[axis]) / view.frame.cell_size[axis];
     // The conversion truncates; NaN becomes 0.
     float cell = static_cast<float>(static_cast<std::int32_t>(min_of(max_of(place, 0.0f), last)));
     const float lowest = forward > 0 ? 0.0f : last, highest = last - lowest;
-    while (cell != lowest && distance(view, ray, state, axis, cell + (1.0f - upper)) > t) cell -= forward;
-    while (cell != highest && distance(view, ray, state, axis, cell + upper) <= t) cell += forward;
+    while (cell != lowest && distance(view, state, axis, cell + (1.0f - upper)) > t) cell -= forward;
+    while (cell != highest && distance(view, state, axis, cell + upper) <= t) cell += forward;
     return cell;
   }
 
   // Goes to the next cell along an axis; false where the ray ends before, or leaves the grid.
   template <int kAxis>
-  ACCEL_HD static bool cross(const View& view, const Ray& ray, State& state, const Hit& hit) {
-    if (!(hit.t > state.t_exit[kAxis])) return false;
+  ACCEL_HD static bool cross(const View& view, State& state, const Hit& hit) {
+    if (hit.t < state.ray.ray_t(state.t_exit[kAxis])) return false;
     const GridResolution& cells = view.frame.resolution;
     const std::int32_t stride = kAxis == 0 ? 1 : kAxis == 1 ? cells.x : cells.x * cells.y;
     const bool backwards = is_backwards(state, kAxis);
     if (state.exit[kAxis] == (backwards ? 0.0f : static_cast<float>(cells[kAxis]))) return false;
     state.cell += backwards ? -stride : stride;
     state.exit[kAxis] += backwards ? -1.0f : 1.0f;
-    state.t_exit[kAxis] = distance(view, ray, state, kAxis, state.exit[kAxis]);
+    state.t_exit[kAxis] = distance(view, state, kAxis, state.exit[kAxis]);
     return true;
   }
 

@@ -93,7 +93,7 @@ Cells expected_cells(const EmptyGrid& grid, const Ray& ray) {
   std::sort(crossings.begin(), crossings.end());
   Cells cells{grid.number(index[0], index[1], index[2])};
   for (const Crossing& c : crossings) {
-    if (c.leaves || c.t >= ray.t_max) break;
+    if (c.leaves || c.t > ray.t_max) break;
     index[c.axis] += ray.dir[c.axis] < 0 ? -1 : 1;
     cells.push_back(grid.number(index[0], index[1], index[2]));
   }
@@ -227,6 +227,7 @@ TEST(GridDdaWalk, EndsWhereTheIntervalEnds) {
   };
   EXPECT_EQ(cells(0, kInfinity), 8u);
   EXPECT_EQ(cells(0, 3.5f), 3u);
+  EXPECT_EQ(cells(0, 4.0f), 4u) << "a border belongs to both cells";
   EXPECT_EQ(cells(3.5f, 3.5f), 1u);
   EXPECT_EQ(cells(3.5f, 4.5f), 2u);
   EXPECT_EQ(cells(0, 0.5f), 0u) << "ends before the grid";
