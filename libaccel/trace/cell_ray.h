@@ -75,9 +75,9 @@ struct CellRay {
   ACCEL_HD static float largest_magnitude(Vec3 v) { return magnitude(v[largest_axis(v)]); }
   ACCEL_HD static float magnitude(float x) { return x < 0 ? -x : x; }
 
-  // Hits round to the float next to their distance; beside an anchor, which is far from the origin, that may be beyond the
-  // padding.
-  ACCEL_HD float rounding() const { return t_anchor != 0 ? gamma(2) : 0.0f; }
+  // Hits round to the float next to their distance, those of Moeller and Trumbore's test some floats further; beside an anchor,
+  // which is far from the origin, that may be beyond the padding.
+  ACCEL_HD float rounding() const { return t_anchor != 0 ? gamma(8) : 0.0f; }
 
   ACCEL_HD static bool is_beyond_reach(Vec3 org, const Aabb& box) {
     const Vec3 extent = box.extent(), outside = max_of(box.lo - org, org - box.hi);
