@@ -73,6 +73,7 @@ std::string quality_text(const StructureFacts& facts) {
   if (facts.inner_nodes) cells.push_back(counted(*facts.inner_nodes, "inner node"));
   if (facts.leaves) cells.push_back(with_commas(*facts.leaves) + " leaves");
   if (facts.empty_leaf_share) cells.push_back(print("%.1f %% of leaves empty", 100 * *facts.empty_leaf_share));
+  if (facts.references_per_triangle) cells.push_back(short_number(*facts.references_per_triangle) + " references a triangle");
   std::string text = quality.empty() ? "" : "  " + join(quality, ", ") + "\n";
   if (!cells.empty()) text += "  " + join(cells, ", ") + "\n";
   if (facts.expected_steps)
