@@ -114,6 +114,7 @@ void add_counters(Json& json, const Counters& counters, std::uint64_t rays) {
   json["nodes_per_ray"] = per_ray(counters.node_steps);
   json["box_tests_per_ray"] = per_ray(counters.box_tests);
   json["triangle_tests_per_ray"] = per_ray(counters.triangle_tests);
+  json["leaves_per_ray"] = per_ray(counters.leaf_visits);
   json["backtracks_per_ray"] = per_ray(counters.backtracks);
   std::uint64_t bytes = 0;
   for (const std::uint64_t b : counters.bytes) bytes += b;
@@ -138,7 +139,35 @@ Json simt_json(const SimtProfile& profile) {
   return json;
 }
 
-Json row_json(const TraceRow& row, const TraceReport& report) {
+Json multipass_json(const MultipassProfile& profile, const MultipassOptions& options) {
+  const MultipassProfile::KernelPasses all = profile.total();
+  Json json = {{"rule", rule_name(options.rule)},
+               {"compact", options.compact},
+               {"batch_size", options.batch_size},
+               {"batches", profile.batches},
+               {"passes", all.passes},
+               {"switches", profile.switches},
+               {"utilisation", all.utilisation()},
+               {"warp_utilisation", all.warp_utilisation()},
+               {"transitions", profile.transitions()},
+               {"bytes_recirculated", all.bytes_recirculated()},
+               {"bytes_fetched", all.bytes_fetched},
+               {"bytes_in_flight", profile.bytes_in_flight}};
+  for (int k = 0; k < kMultipassKernels; ++k) {
+    const MultipassProfile::KernelPasses& p = profile.kernels[static_cast<std::size_t>(k)];
+    json["kernels"][kernel_name(static_cast<MultipassKernel>(k))] = {{"passes", p.passes},
+                                                                     {"rays", p.rays},
+                                                                     {"utilisation", p.utilisation()},
+                                                                     {"warp_utilisation", p.warp_utilisation()},
+                                                                     {"bytes_read", p.bytes_read},
+                                                                     {"bytes_written", p.bytes_written},
+                                                                     {"bytes_fetched", p.bytes_fetched},
+                                                                     {"bytes_schedule", p.bytes_schedule}};
+  }
+  return json;
+}
+
+Json row_json(const TraceRow& row, const TraceReport& report, const TraceSettings& settings) {
   Measurement::Pass mean;
   for (const Measurement::Pass& pass : row.passes) {
     mean.seconds += pass.seconds / static_cast<double>(row.passes.size());
@@ -172,6 +201,7 @@ Json row_json(const TraceRow& row, const TraceReport& report) {
   if (structure.facts.depth) json["depth"] = *structure.facts.depth;
   if (row.counters) add_counters(json, *row.counters, row.rays);
   if (row.simt) json["simt"] = simt_json(*row.simt);
+  if (row.multipass) json["multipass"] = multipass_json(*row.multipass, settings.multipass);
   return json;
 }
 
@@ -179,7 +209,7 @@ Json row_json(const TraceRow& row, const TraceReport& report) {
 
 std::string report_json(const TraceReport& report, const TraceSettings& settings) {
   Json json = {{"context", context_json(report, settings)}, {"benchmarks", Json::array()}};
-  for (const TraceRow& row : report.rows) json["benchmarks"].push_back(row_json(row, report));
+  for (const TraceRow& row : report.rows) json["benchmarks"].push_back(row_json(row, report, settings));
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

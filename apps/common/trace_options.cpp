@@ -38,7 +38,7 @@ constexpr const char* kExamples =
 
 // The command line as typed, before names are looked up.
 struct RawOptions {
-  std::string methods = "best", rays, check = "embree", profile, schedule = "while-while", device = "cpu";
+  std::string methods = "best", rays, check = "embree", profile, schedule, device = "cpu", heatmap_of = "steps";
 };
 
 struct ScheduleName {
@@ -100,22 +100,42 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->check(whole_number(1))
       ->type_name("N")
       ->group("Measuring and checking");
-  app.add_option("--profile", raw.profile, "simt: what the rays would cost in warps of 32 lanes")
-      ->type_name("MODEL")
+  app.add_option("--profile", raw.profile,
+                 "what the rays would cost: simt, in warps of 32 lanes;\n"
+                 "multipass, as streams through small kernels")
+      ->type_name("MODEL,...")
       ->group("Measuring and checking");
-  app.add_option("--schedule", raw.schedule, "the warps' loop: while-while, if-if, speculative or persistent")
+  app.add_option("--schedule", raw.schedule,
+                 "the warps' loop: while-while, if-if, speculative or persistent [while-while];\n"
+                 "the rule for passes: delany, largest-first or drain [delany]")
+      ->type_name("NAME,...")
+      ->group("Measuring and checking");
+  app.add_option("--batch", settings.multipass.batch_size, "rays in flight between passes")
+      ->check(whole_number(1, 1u << 31))
       ->capture_default_str()
-      ->type_name("NAME")
+      ->type_name("N")
+      ->group("Measuring and checking");
+  app.add_flag("--compact", settings.multipass.compact, "passes run over lists of rays instead of masking the others")
       ->group("Measuring and checking");
 }
 
-void add_outputs(CLI::App& app, TraceSettings& settings) {
+std::vector<std::string> ray_counters() {
+  std::vector<std::string> names;
+  for (int c = 0; c < kRayCounters; ++c) names.emplace_back(counter_name(static_cast<RayCounter>(c)));
+  return names;
+}
+
+void add_outputs(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   const auto add = [&](const char* flag, std::string& path, const char* what) {
     app.add_option(flag, path, what)->type_name("FILE")->group("Output");
   };
   add("--json", settings.json, "in Google Benchmark's shape; - is standard output, instead of tables");
   add("--image", settings.image, "the view, shaded by normal (.png, .exr, .jpg, .tif)");
-  add("--heatmap", settings.heatmap, "steps of each ray of the first method and kind, with a legend");
+  add("--heatmap", settings.heatmap, "cost of each ray of the first method and kind, with a legend");
+  app.add_option("--heatmap-of", raw.heatmap_of, "its counter: " + join(ray_counters(), ", "))
+      ->capture_default_str()
+      ->type_name("NAME")
+      ->group("Output");
   add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
   add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
   add("--hits-out", settings.hits_out, "their hits, by the first method; of any-hit kinds t = 0 if occluded");
@@ -163,13 +183,43 @@ Outcome<Check> parse_check(const std::string& name) {
   return unknown("--check", "checker", name, {"embree", "exact", "none"});
 }
 
-Outcome<SimtSchedule> parse_schedule(const std::string& name) {
-  std::vector<std::string_view> known;
-  for (const ScheduleName& s : kSchedules) {
-    if (s.name == name) return s.schedule;
-    known.push_back(s.name);
+// The parts of a list of names; none of an empty one.
+std::vector<std::string> names_of(const std::string& text) {
+  return text.empty() ? std::vector<std::string>() : split(text, ',');
+}
+
+Finished parse_profiles(const std::string& text, TraceSettings& settings) {
+  for (const std::string& name : names_of(text)) {
+    if (name != "simt" && name != "multipass") return unknown("--profile", "profile", name, {"simt", "multipass"});
+    (name == "simt" ? settings.profile_simt : settings.profile_multipass) = true;
   }
-  return unknown("--schedule", "schedule", name, known);
+  return Done{};
+}
+
+// Both models' schedules, which have no name in common.
+Finished parse_schedules(const std::string& text, TraceSettings& settings) {
+  for (const std::string& name : names_of(text)) {
+    std::vector<std::string_view> known;
+    bool found = false;
+    for (const ScheduleName& s : kSchedules) {
+      known.push_back(s.name);
+      if (s.name == name) settings.schedule = s.schedule, found = true;
+    }
+    for (int r = 0; r < kMultipassRules; ++r) {
+      const auto rule = static_cast<MultipassRule>(r);
+      known.emplace_back(rule_name(rule));
+      if (known.back() == name) settings.multipass.rule = rule, found = true;
+    }
+    if (!found) return unknown("--schedule", "schedule", name, known);
+  }
+  return Done{};
+}
+
+Outcome<RayCounter> parse_counter(const std::string& name) {
+  const std::vector<std::string> known = ray_counters();
+  const auto found = std::find(known.begin(), known.end(), name);
+  if (found == known.end()) return unknown("--heatmap-of", "counter", name, {known.begin(), known.end()});
+  return static_cast<RayCounter>(found - known.begin());
 }
 
 // Looks names up and turns the raw options into settings.
@@ -187,12 +237,11 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   if (!check) return check.failure();
   settings.check = *check;
 
-  const auto schedule = parse_schedule(raw.schedule);
-  if (!schedule) return schedule.failure();
-  settings.schedule = *schedule;
-
-  if (!raw.profile.empty() && raw.profile != "simt") return unknown("--profile", "profile", raw.profile, {"simt"});
-  settings.profile_simt = raw.profile == "simt";
+  if (auto done = parse_schedules(raw.schedule, settings); !done) return done;
+  if (auto done = parse_profiles(raw.profile, settings); !done) return done;
+  const auto counter = parse_counter(raw.heatmap_of);
+  if (!counter) return counter.failure();
+  settings.heatmap_of = *counter;
   if (raw.device != "cpu" && raw.device != "cuda") return unknown("--device", "device", raw.device, {"cpu", "cuda"});
   settings.device = raw.device;
 
@@ -243,7 +292,7 @@ Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   add_what(app, settings, raw);
   add_rays(app, settings);
   add_measuring(app, settings, raw);
-  add_outputs(app, settings);
+  add_outputs(app, settings, raw);
   add_build_options(app, settings.build);
   add_common_options(app, settings.common);
   app.footer(kExamples);

@@ -7,6 +7,8 @@
 
 #include "apps/common/common_settings.h"
 #include "libaccel/build/builder.h"
+#include "libaccel/exec/counters.h"
+#include "libaccel/exec/multipass_profile.h"
 #include "libaccel/exec/simt_profile.h"
 
 namespace accel::apps {
@@ -34,13 +36,15 @@ struct TraceSettings {
   bool check_given = false;
   std::uint64_t judge_limit = 0;  // 0: none
 
-  bool profile_simt = false;
+  bool profile_simt = false, profile_multipass = false;
   SimtSchedule schedule = SimtSchedule::while_while;
+  MultipassOptions multipass;
 
   bool explain = false;  // what builds left out, and why
 
   // Output files; empty: none.
   std::string json, image, heatmap, diff, rays_out, hits_out;
+  RayCounter heatmap_of = RayCounter::steps;
   std::string repro = "accel-repro";  // how the names of repro bundles begin
 
   bool is_demo = false;  // no scene was named

@@ -51,11 +51,11 @@ float distance(const Difference& d, std::size_t ray) {
 
 }  // namespace
 
-HeatPicture heat_picture(std::span<const std::uint32_t> steps, const RaySet& set, PictureSize size,
+HeatPicture heat_picture(std::span<const std::uint32_t> values, RayCounter counter, const RaySet& set, PictureSize size,
                          const std::string& subject) {
-  HeatPicture picture = mean_by_pixel(steps, set, size);
+  HeatPicture picture = mean_by_pixel(values, set, size);
   picture.title = subject;
-  picture.unit = "steps / ray";
+  picture.unit = std::string(counter_unit(counter)) + " / ray";
   return picture;
 }
 

@@ -7,12 +7,14 @@
 #include "apps/common/measure.h"
 #include "apps/common/picture.h"
 #include "apps/common/ray_batch.h"
+#include "libaccel/exec/counters.h"
 #include "validation/compare/compare.h"
 
 namespace accel::apps {
 
-// Steps by pixel; `subject` says of what.
-HeatPicture heat_picture(std::span<const std::uint32_t> steps, const RaySet& set, PictureSize size, const std::string& subject);
+// A counter by pixel, the mean of its rays; `subject` says of what.
+HeatPicture heat_picture(std::span<const std::uint32_t> values, RayCounter counter, const RaySet& set, PictureSize size,
+                         const std::string& subject);
 
 // Our answers and the witness's (or, without a witness, the exact ones).
 struct Difference {

@@ -198,6 +198,36 @@ std::string simt_section(const TraceReport& report, const Terminal& terminal) {
   return section(terminal, "SIMT profile: share of 32 lanes at work, distinct 128-byte lines") + table.text();
 }
 
+// Rays that a kernel ran for, per ray.
+std::string steps_cell(const MultipassProfile& p, MultipassKernel kernel) { return per_ray(p.of(kernel).rays, p.rays); }
+
+std::string multipass_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
+  Table table({{"RAYS", Align::left},
+               {"method", Align::left},
+               {"passes"},
+               {"switches"},
+               {"at work"},
+               {"down"},
+               {"up"},
+               {"tests"},
+               {"trans."},
+               {"recirculated"},
+               {"fetched"}});
+  for (const TraceRow& row : report.rows) {
+    if (!row.multipass) continue;
+    const MultipassProfile& p = *row.multipass;
+    const MultipassProfile::KernelPasses all = p.total();
+    table.add_row(
+        {row.rays_kind, row.method, with_commas(all.passes), with_commas(p.switches), print("%.2g %%", 100 * all.utilisation()),
+         steps_cell(p, MultipassKernel::down), steps_cell(p, MultipassKernel::up), steps_cell(p, MultipassKernel::intersect),
+         per_ray(p.transitions(), p.rays), per_ray(all.bytes_recirculated(), p.rays), per_ray(all.bytes_fetched, p.rays)});
+  }
+  const MultipassOptions& options = settings.multipass;
+  return section(terminal, std::string("Multipass profile (") + rule_name(options.rule) + (options.compact ? ", compact" : "") +
+                               ", " + with_commas(options.batch_size) + " rays in flight): steps and bytes per ray") +
+         table.text();
+}
+
 std::string skipped_section(const TraceReport& report) {
   std::string text;
   for (const Skip& skip : report.skipped) text += "  skipped: " + skip.what + ", because " + skip.why + "\n";
@@ -231,11 +261,13 @@ const TraceRow* TraceReport::witness_row(const std::string& rays_kind) const {
 
 std::string report_text(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
   const bool checked = any_row(report, [](const TraceRow& row) { return row.check.has_value(); });
-  const bool profiled = any_row(report, [](const TraceRow& row) { return row.simt.has_value(); });
+  const bool in_warps = any_row(report, [](const TraceRow& row) { return row.simt.has_value(); });
+  const bool in_passes = any_row(report, [](const TraceRow& row) { return row.multipass.has_value(); });
   std::string text = failures_section(report, terminal) + scene_section(report, settings, terminal) +
                      structures_section(report, terminal) + speed_section(report, settings, terminal);
   if (checked) text += verdict_section(report, terminal) + adjudication_section(report, terminal);
-  if (profiled) text += simt_section(report, terminal);
+  if (in_warps) text += simt_section(report, terminal);
+  if (in_passes) text += multipass_section(report, settings, terminal);
   if (settings.explain) text += explanations(report);
   return text + skipped_section(report);
 }

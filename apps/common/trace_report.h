@@ -11,6 +11,7 @@
 #include "apps/common/terminal.h"
 #include "apps/common/trace_options.h"
 #include "libaccel/exec/counters.h"
+#include "libaccel/exec/multipass_profile.h"
 #include "libaccel/exec/simt_profile.h"
 #include "validation/compare/compare.h"
 
@@ -40,6 +41,7 @@ struct TraceRow {
   std::optional<Counters> counters;              // not for the witness
   std::optional<validation::CheckResult> check;  // not for the witness, and not when nothing is checked
   std::optional<SimtProfile> simt;
+  std::optional<MultipassProfile> multipass;
   std::string repro;  // the bundle that reproduces failures, where one was written
   bool is_witness = false;
 };

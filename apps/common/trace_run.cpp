@@ -176,7 +176,8 @@ class TraceRun {
         return Error{std::string(kInterrupted)};
       const std::size_t size = std::min(traced.engine.rays_per_call, rays.size() - begin);
       const auto part = steps.empty() ? steps : steps.subspan(begin, size);
-      const auto counted_part = traced.member.accel.count(rays.subspan(begin, size), traced.batch.query, part, trace_options());
+      const auto counted_part =
+          traced.member.accel.count(rays.subspan(begin, size), traced.batch.query, part, trace_options(), settings_.heatmap_of);
       if (!counted_part) return counted_part.error();
       total += *counted_part;
     }
@@ -185,12 +186,20 @@ class TraceRun {
   }
 
   Finished profile(const Traced& traced, TraceRow& row) {
-    if (!settings_.profile_simt) return Done{};
-    bar_.begin("simulating warps of " + traced.engine.name);
-    auto simulated =
-        traced.member.accel.profile_simt(traced.batch.rays(), traced.batch.query, {settings_.schedule}, trace_options());
-    if (!simulated) return simulated.error();
-    row.simt = *simulated;
+    const AnyAccel& accel = traced.member.accel;
+    const RayBatch& batch = traced.batch;
+    if (settings_.profile_simt) {
+      bar_.begin("simulating warps of " + traced.engine.name);
+      const auto simulated = accel.profile_simt(batch.rays(), batch.query, {settings_.schedule}, trace_options());
+      if (!simulated) return simulated.error();
+      row.simt = *simulated;
+    }
+    if (settings_.profile_multipass) {
+      bar_.begin("running passes of " + traced.engine.name);
+      const auto profiled = accel.trace_multipass(batch.rays(), batch.query, {}, settings_.multipass, trace_options());
+      if (!profiled) return profiled.error();
+      row.multipass = *profiled;
+    }
     return Done{};
   }
 
@@ -208,8 +217,8 @@ class TraceRun {
       if (const Status s = write_hits(traced); !s) return s.error();
     const std::string subject = row.method + ", " + row.rays_kind + ", " + scene_.title;
     if (!settings_.heatmap.empty()) {
-      const HeatPicture picture = heat_picture(steps, traced.batch.set, maker.picture_size(), subject);
-      if (auto done = write_heat(settings_.heatmap, picture, "steps"); !done) return done;
+      const HeatPicture picture = heat_picture(steps, settings_.heatmap_of, traced.batch.set, maker.picture_size(), subject);
+      if (auto done = write_heat(settings_.heatmap, picture, counter_name(settings_.heatmap_of)); !done) return done;
     }
     if (settings_.diff.empty()) return Done{};
     const Difference difference{traced.batch, traced.measured.answers, traced.testimony, *row.check, checker.judge()};

@@ -7,12 +7,14 @@
 //   Down        descend(), one inner node
 //   Leaf        a ray that has reached a leaf, by whichever step, gets ready for its primitives, of which there may be none
 //   Intersect   intersect(), one primitive
-//   Continue    a ray that has done with a leaf ends, or makes its first backtrack() step, or goes on as the traverser says
+//   Continue    a ray that has done with a leaf ends, or makes its first backtrack() step
 //   Up          backtrack(), further steps
 //
 // So every leaf that is visited, an empty one too, takes one Leaf and one Continue: the paper's transitions. Leaf has no work
-// of its own, since our descend() enters the leaf. Deviation: Up also serves traversers that backtrack without having seen a
-// leaf, as a BVH's does when a ray misses both children; and where a traverser with a stack pops, that is its backtrack() step.
+// of its own, since our descend() enters the leaf. Where a traverser goes on downwards by itself, from an empty leaf or after a
+// leaf's last primitive, as a grid's does, there is nothing to decide, and no transition: the paper's grid has none either.
+// Deviation: Up also serves traversers that backtrack without having seen a leaf, as a BVH's does when a ray misses both
+// children; and where a traverser with a stack pops, that is its backtrack() step.
 #pragma once
 
 #include "libaccel/exec/multipass_profile.h"
@@ -46,11 +48,11 @@ ACCEL_HD bool calls_traverser(MultipassKernel kernel, Phase phase) {
 
 // Where a ray goes from `kernel` that is in this phase now.
 ACCEL_HD MultipassKernel kernel_after(MultipassKernel kernel, Phase phase, bool leaf_reached) {
+  if (phase == Phase::descend) return MultipassKernel::down;
   if (leaf_reached) return MultipassKernel::leaf;
   if (phase == Phase::intersect) return MultipassKernel::intersect;
   const bool leaves_leaf = kernel == MultipassKernel::leaf || kernel == MultipassKernel::intersect;
   if (leaves_leaf) return MultipassKernel::continue_search;
-  if (phase == Phase::descend) return MultipassKernel::down;
   return phase == Phase::backtrack ? MultipassKernel::up : MultipassKernel::finished;
 }
 

@@ -107,7 +107,8 @@ test_usage_errors() {
   usage_error trace --check embre; says err "did you mean 'embree'?"
   usage_error trace builtin:stadum; says err "did you mean 'stadium'?"
   usage_error trace --profile cuda; says err simt
-  usage_error trace --schedule sometimes; says err while-while
+  usage_error trace --schedule sometimes; says err while-while; says err delany
+  usage_error trace --profile simt,multipas; says err "did you mean 'multipass'?"
   usage_error trace --device gpu; says err --device
   usage_error trace quad.obj another.obj; says err "another.obj"
   usage_error trace --progress maybe; says err --progress
@@ -317,6 +318,27 @@ test_simt_profile() {
   done
   expect 0 trace builtin:cornell --profile simt --json -
   json out 'all(0 < b["simt"]["efficiency"] <= 1 for b in j["benchmarks"] if b["method"] != "Embree")'
+}
+
+test_multipass_profile() {
+  needs_python
+  for schedule in delany largest-first drain; do
+    expect 0 trace builtin:cornell --profile multipass --schedule $schedule; says out "Multipass profile ($schedule"
+  done
+  [ "$(awk '{ if (length($0) > most) most = length($0) } END { print most + 0 }' out)" -le 100 ] || fail "a line is too long"
+  expect 0 trace builtin:cornell --profile simt,multipass --schedule if-if,drain --batch 100 --compact --json -
+  json out 'all("simt" in b and b["multipass"]["batches"] == 8 for b in j["benchmarks"] if b["method"] != "Embree")'
+  json out 'all(b["multipass"]["kernels"]["initialize"]["rays"] == 768 for b in j["benchmarks"] if b["method"] != "Embree")'
+  json out 'all(b["multipass"]["utilisation"] == 1 for b in j["benchmarks"] if b["method"] != "Embree")'
+}
+
+test_heatmaps_of_counters() {
+  has images || skip "no image library"
+  for counter in steps down up leaves triangles boxes; do
+    expect 0 trace builtin:cornell --heatmap heat-$counter.exr --heatmap-of $counter; [ -s heat-$counter.exr ] || fail "no picture of $counter"
+  done
+  cmp -s heat-down.exr heat-triangles.exr && fail "two counters have the same picture"
+  usage_error trace --heatmap heat.png --heatmap-of triangels; says err "did you mean 'triangles'?"
 }
 
 test_judge_limit_is_reported() {

@@ -136,13 +136,16 @@ TEST(MultipassStep, EmptyLeavesAreTransitionsToo) {
 }
 
 TEST(MultipassStep, LeavesNextToEachOther) {
-  // A rope, or an entry of the stack, that leads from leaf to leaf; and a leaf after which the traverser goes on by itself.
-  const Trace trace = follow({{true, Phase::intersect},
-                              {false, Phase::backtrack},
-                              {true, Phase::intersect},
-                              {false, Phase::descend},
-                              {false, Phase::done}});
-  EXPECT_EQ(trace.kernels, (Kernels{kInit, kLeaf, kIntersect, kContinue, kLeaf, kIntersect, kContinue, kDown}));
+  // A rope, or an entry of the stack, that leads from leaf to leaf.
+  const Trace trace =
+      follow({{true, Phase::intersect}, {false, Phase::backtrack}, {true, Phase::intersect}, {false, Phase::done}});
+  EXPECT_EQ(trace.kernels, (Kernels{kInit, kLeaf, kIntersect, kContinue, kLeaf, kIntersect, kContinue}));
+}
+
+TEST(MultipassStep, GridsNeedNoTransitionDownwards) {
+  // An empty cell, then one with a triangle, after which the traverser goes on by itself.
+  const Trace trace = follow({{true, Phase::descend}, {true, Phase::intersect}, {false, Phase::descend}, {false, Phase::done}});
+  EXPECT_EQ(trace.kernels, (Kernels{kInit, kDown, kLeaf, kIntersect, kDown}));
 }
 
 TEST(MultipassStep, BacktrackingWithoutALeafIsUp) {

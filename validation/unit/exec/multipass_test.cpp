@@ -75,6 +75,13 @@ void expect_cpu_hits(const typename Traverser::View& view, std::span<const Ray> 
   }
 }
 
+// Whether leaves are left without backtracking, as in grids.
+template <class Traverser>
+constexpr bool goes_on_downwards() {
+  if constexpr (SpeculativeTraverser<Traverser>) return Traverser::kAfterLeaf == Phase::descend;
+  return false;
+}
+
 // What the kernels did is what the while-while executor counts.
 template <class Traverser>
 void expect_cpu_counts(const typename Traverser::View& view, std::span<const Ray> rays) {
@@ -83,10 +90,14 @@ void expect_cpu_counts(const typename Traverser::View& view, std::span<const Ray
   EXPECT_EQ(p.rays, rays.size());
   EXPECT_EQ(p.of(Kernel::initialize).rays, rays.size());
   EXPECT_EQ(p.of(Kernel::down).rays, counters.node_steps);
-  EXPECT_EQ(p.of(Kernel::leaf).rays, counters.leaf_visits);
-  EXPECT_EQ(p.of(Kernel::continue_search).rays, counters.leaf_visits);
   EXPECT_EQ(p.of(Kernel::intersect).rays, counters.triangle_tests);
-  EXPECT_EQ(p.transitions(), 2 * counters.leaf_visits);
+  if (goes_on_downwards<Traverser>()) {
+    EXPECT_LE(p.of(Kernel::leaf).rays, counters.leaf_visits);
+  } else {
+    EXPECT_EQ(p.of(Kernel::leaf).rays, counters.leaf_visits);
+    EXPECT_EQ(p.of(Kernel::continue_search).rays, counters.leaf_visits);
+    EXPECT_EQ(p.transitions(), 2 * counters.leaf_visits);
+  }
   std::uint64_t fetched = 0;
   for (const Memory memory : {Memory::node, Memory::triangle, Memory::hash})
     fetched += counters.bytes[static_cast<int>(memory)];

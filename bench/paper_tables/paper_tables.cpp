@@ -1,0 +1,66 @@
+#include "bench/paper_tables/paper_tables.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <filesystem>
+
+#include "libaccel/io/load_scene.h"
+#include "libaccel/rays/camera.h"
+#include "libaccel/rays/ray_sets.h"
+#include "scenes/procedural.h"
+
+namespace accel::paper_tables {
+
+Result<LoadedScene> load(const PaperScene& scene, const Settings& settings) {
+  const std::filesystem::path path = std::filesystem::path(settings.scenes) / (std::string(scene.file) + ".ply.zst");
+  std::error_code error;
+  const bool found = std::filesystem::exists(path, error);
+  Result<SceneData> data = found ? load_scene(path) : make_builtin(scene.stand_in);
+  if (!data) return data.error();
+  return LoadedScene{std::move(data).value(), !found};
+}
+
+Result<Buffer<Ray>> primary_rays(const SceneData& scene, std::uint32_t size) {
+  Aabb bounds;
+  for (const Vec3& v : scene.mesh.vertices)
+    if (in_range(v)) bounds.extend(v);
+  const auto camera = Camera::make(scene.cameras.empty() ? default_camera(bounds) : scene.cameras.front(), size, size);
+  if (!camera) return camera.error();
+  auto set = accel::primary_rays(*camera);
+  if (!set) return set.error();
+  return std::move(set->rays);
+}
+
+std::string TextTable::text() const {
+  std::vector<std::size_t> width;
+  for (const auto& row : rows_) {
+    width.resize(std::max(width.size(), row.size()), 0);
+    for (std::size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
+  }
+  std::string text;
+  for (const auto& row : rows_) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string padding(width[c] - row[c].size(), ' ');
+      line += "  " + (c == 0 ? row[c] + padding : padding + row[c]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string print(const char* format, ...) {
+  va_list arguments, again;
+  va_start(arguments, format);
+  va_copy(again, arguments);
+  const int length = std::vsnprintf(nullptr, 0, format, arguments);
+  va_end(arguments);
+  std::string text(length > 0 ? static_cast<std::size_t>(length) : 0, '\0');
+  if (length > 0) std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
+  return text;
+}
+
+}  // namespace accel::paper_tables

@@ -1,0 +1,65 @@
+// The tables of the papers, measured and counted anew: ours beside the paper's.
+//
+// A paper is one file here, with one function that makes its report, and one line in main.cpp.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "libaccel/core/buffer.h"
+#include "libaccel/core/ray.h"
+#include "libaccel/core/result.h"
+#include "libaccel/geometry/scene_data.h"
+
+namespace accel::paper_tables {
+
+using Json = nlohmann::ordered_json;
+
+struct Settings {
+  std::string scenes = "../shared/scenes";  // the folder of the papers' scenes
+  std::uint32_t size = 512;                 // pictures have size x size pixels
+  int repeat = 5;                           // timed runs, of which the median counts
+  int threads = 1;
+};
+
+struct Report {
+  std::string text;           // 100 columns at most
+  Json rows = Json::array();  // in the shape of Google Benchmark's `benchmarks`
+};
+
+// A scene of a paper, or the built-in one that stands in for it where its file is missing.
+struct PaperScene {
+  const char* title;     // as in the paper
+  const char* file;      // "NAME.ply.zst" in the folder
+  const char* stand_in;  // "builtin:NAME:size"
+};
+struct LoadedScene {
+  SceneData data;
+  bool is_stand_in = false;
+};
+Result<LoadedScene> load(const PaperScene& scene, const Settings& settings);
+
+// What the scene's first camera sees, or the default camera: one ray a pixel, row by row.
+Result<Buffer<Ray>> primary_rays(const SceneData& scene, std::uint32_t size);
+
+// A table of text, with columns as wide as their widest cell; the first column is aligned to the left.
+class TextTable {
+ public:
+  explicit TextTable(std::vector<std::string> titles) { rows_.push_back(std::move(titles)); }
+  void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  void add_gap() { rows_.emplace_back(); }
+  std::string text() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+// As printf.
+[[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...);
+
+// Foley and Sugerman 2005: Tables 1, 2 and 3.
+Result<Report> fs05(const Settings& settings);
+
+}  // namespace accel::paper_tables
