@@ -165,13 +165,13 @@ Result<std::uint64_t> count_mismatches(const AnyAccel& cpu, const DeviceBatch& b
   return differences(expected, actual);
 }
 
-// Both launch policies of one method on one set of rays.
+// All launch policies of one method on one set of rays.
 Status measure(const Arguments& arguments, const AnyAccel& cpu, const DeviceAccel& device, const NamedRays& set,
                std::span<const Ray> rays, Row row, std::vector<Row>& rows) {
   const auto batch = DeviceBatch::upload(rays);
   if (!batch) return batch.error();
   row.kind = set.kind, row.rays = rays.size(), row.bytes = device.size_bytes();
-  for (const LaunchPolicy policy : {LaunchPolicy::grid, LaunchPolicy::persistent}) {
+  for (const LaunchPolicy policy : {LaunchPolicy::grid, LaunchPolicy::persistent, LaunchPolicy::multipass}) {
     const DeviceTraceOptions options{.policy = policy, .test = arguments.test, .warm_up = kWarmUp, .repeat = arguments.repeat};
     const auto timing = device.trace(*batch, set.query, options);
     if (!timing) return timing.error();

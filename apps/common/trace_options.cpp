@@ -106,8 +106,8 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->type_name("MODEL,...")
       ->group("Measuring and checking");
   app.add_option("--schedule", raw.schedule,
-                 "the warps' loop: while-while, if-if, speculative or persistent [while-while];\n"
-                 "the rule for passes: delany, largest-first or drain [delany]")
+                 "warps: while-while, if-if, speculative or persistent [while-while];\n"
+                 "passes: delany, largest-first or drain [delany]")
       ->type_name("NAME,...")
       ->group("Measuring and checking");
   app.add_option("--batch", settings.multipass.batch_size, "rays in flight between passes")

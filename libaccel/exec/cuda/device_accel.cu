@@ -19,6 +19,7 @@ using cuda::DeviceEvent;
 using cuda::DeviceMethod;
 using cuda::Launch;
 using cuda::LaunchFunction;
+using cuda::MultipassMemory;
 
 const std::vector<DeviceMethod>& device_methods() {
   static const std::vector<DeviceMethod> list = [] {
@@ -131,9 +132,18 @@ Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, c
   if (batch.size() == 0) return DeviceTiming{};
 
   DeviceBatch::State& b = *batch.state_;
-  const LaunchFunction function = state_->method->kernels[*test][query == Query::any ? 1 : 0];
-  const Launch launch{state_->view,  options.policy,    b.rays.data(),    static_cast<std::uint32_t>(batch.size()),
-                      b.hits.data(), b.occluded.data(), b.next_ray.data()};
+  const std::size_t by_query = query == Query::any ? 1 : 0;
+  const auto ray_count = static_cast<std::uint32_t>(batch.size());
+  MultipassMemory in_flight;
+  if (options.policy == LaunchPolicy::multipass) {
+    auto allocated = MultipassMemory::allocate(std::min(ray_count, options.multipass.batch_size),
+                                               state_->method->ray_sizes[*test][by_query]);
+    if (!allocated) return allocated.error();
+    in_flight = std::move(*allocated);
+  }
+  const LaunchFunction function = state_->method->kernels[*test][by_query];
+  const Launch launch{state_->view,      options.policy,    b.rays.data(),          ray_count, b.hits.data(),
+                      b.occluded.data(), b.next_ray.data(), options.multipass.rule, &in_flight};
   std::vector<float> times;
   const int repeat = std::max(options.repeat, 1);
   for (int i = -std::max(options.warm_up, 0); i < repeat; ++i) {

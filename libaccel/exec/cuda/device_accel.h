@@ -25,6 +25,7 @@
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/core/result.h"
+#include "libaccel/exec/multipass_profile.h"
 #include "libaccel/registry/any_structure.h"
 
 namespace accel {
@@ -40,21 +41,29 @@ struct DeviceInfo {
 // The current device, or why there is none.
 Result<DeviceInfo> cuda_device_info();
 
-// How rays meet threads: see trace_kernel.cuh.
-enum class LaunchPolicy : std::uint8_t { grid, persistent };
-inline constexpr int kLaunchPolicies = 2;
+// How rays meet threads: for grid and persistent see trace_kernel.cuh; multipass runs small kernels pass after pass, see
+// multipass_kernel.cuh.
+enum class LaunchPolicy : std::uint8_t { grid, persistent, multipass };
+inline constexpr int kLaunchPolicies = 3;
 
-// "grid", "persistent"
-constexpr const char* policy_name(LaunchPolicy policy) { return policy == LaunchPolicy::grid ? "grid" : "persistent"; }
+// "grid", "persistent", "multipass"
+constexpr const char* policy_name(LaunchPolicy policy) {
+  constexpr const char* kNames[kLaunchPolicies] = {"grid", "persistent", "multipass"};
+  return kNames[static_cast<int>(policy)];
+}
 
 struct DeviceTraceOptions {
   LaunchPolicy policy = LaunchPolicy::persistent;
   std::string_view test;  // a name of triangle_tests(); empty: the first
   int warm_up = 0;        // launches before the timed ones
   int repeat = 1;         // timed launches, at least one
+
+  // Multipass: the rule, and the most rays in flight, fewer where the device's memory is short. Rays are always compacted.
+  MultipassOptions multipass = {.batch_size = 1u << 22, .compact = true};
 };
 
-// Time of a launch between two events on the device, in milliseconds: copies to and from the device are not in it.
+// Time of a launch between two events on the device, in milliseconds: copies to and from the device are not in it, but those
+// between the passes of multipass are.
 struct DeviceTiming {
   float median_ms = 0, min_ms = 0, max_ms = 0;
 };

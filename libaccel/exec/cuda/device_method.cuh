@@ -11,6 +11,7 @@
 #include "libaccel/core/ray.h"
 #include "libaccel/core/result.h"
 #include "libaccel/exec/cuda/device_accel.h"
+#include "libaccel/exec/cuda/multipass_memory.cuh"
 #include "libaccel/exec/cuda/upload.cuh"
 #include "libaccel/registry/any_structure.h"
 #include "libaccel/registry/method.h"
@@ -23,9 +24,11 @@ struct Launch {
   LaunchPolicy policy;
   const Ray* rays;
   std::uint32_t ray_count;
-  Hit* hits;               // for closest
-  std::uint8_t* occluded;  // for any
-  std::uint32_t* next_ray;
+  Hit* hits;                   // for closest; multipass works on them for any, too
+  std::uint8_t* occluded;      // for any
+  std::uint32_t* next_ray;     // persistent
+  MultipassRule rule;          // multipass
+  MultipassMemory* in_flight;  // multipass
 };
 
 using LaunchFunction = Status (*)(const Launch&);
@@ -34,6 +37,7 @@ struct DeviceMethod {
   std::string name;
   std::any (*upload)(const AnyStructure&, Uploader&);                      // the view of a structure of the method's kind
   std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
+  std::array<std::array<RaySizes, 2>, TriangleTests::size> ray_sizes;      // likewise
 };
 
 // Defined in instantiate_device_method.cuh.

@@ -6,6 +6,7 @@
 
 #include "libaccel/exec/cuda/device_memory.cuh"
 #include "libaccel/exec/cuda/device_method.cuh"
+#include "libaccel/exec/cuda/launch_multipass.cuh"
 #include "libaccel/exec/cuda/trace_kernel.cuh"
 
 namespace accel::cuda {
@@ -22,6 +23,19 @@ Result<unsigned> resident_blocks(Kernel kernel, std::uint32_t ray_count) {
   ACCEL_CUDA_TRY(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
   ACCEL_CUDA_TRY(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks_each, kernel, kBlockSize, 0));
   return std::min(static_cast<unsigned>(multiprocessors) * static_cast<unsigned>(blocks_each), blocks_for(ray_count));
+}
+
+// In batches of as many rays as there is room for. The hits are worked on in place; `finish` does what else an answer needs.
+template <class Traverser, class Finish>
+Status launch_multipass(const Launch& launch, const Finish& finish) {
+  const auto& view = *std::any_cast<typename Traverser::View>(&launch.view);
+  for (std::uint32_t begin = 0; begin < launch.ray_count;) {
+    const std::uint32_t count = std::min(launch.in_flight->capacity, launch.ray_count - begin);
+    MultipassRun<Traverser, Finish> run(view, *launch.in_flight, launch.rays + begin, launch.hits + begin, finish.from(begin));
+    if (const Status s = run.run(launch.rule, count); !s) return s;
+    begin += count;
+  }
+  return Done{};
 }
 
 template <class Traverser, class Store>
@@ -43,10 +57,19 @@ Status launch_with(const Launch& launch, const Store& store) {
 template <class Method, class Test, Query kQuery>
 Status launch_trace(const Launch& launch) {
   using Traverser = typename Method::template Traverser<Test, kQuery>;
-  if constexpr (kQuery == Query::closest)
+  const bool in_passes = launch.policy == LaunchPolicy::multipass;
+  if constexpr (kQuery == Query::closest) {
+    if (in_passes) return launch_multipass<Traverser>(launch, KeepHits{});
     return launch_with<Traverser>(launch, StoreHits{launch.hits});
-  else
-    return launch_with<Traverser>(launch, StoreOccluded{launch.occluded});
+  } else {
+    const StoreOccluded store{launch.occluded};
+    return in_passes ? launch_multipass<Traverser>(launch, store) : launch_with<Traverser>(launch, store);
+  }
+}
+
+template <class Traverser>
+constexpr RaySizes ray_sizes() {
+  return {sizeof(typename Traverser::State), StackTraverser<Traverser> ? sizeof(StackOf<Traverser>) : 0};
 }
 
 template <class Method>
@@ -64,7 +87,9 @@ DeviceMethod make_device_method() {
   std::size_t i = 0;
   TriangleTests::for_each([&](auto tag) {
     using Test = typename decltype(tag)::type;
-    result.kernels[i++] = {detail::launch_trace<Method, Test, Query::closest>, detail::launch_trace<Method, Test, Query::any>};
+    result.kernels[i] = {detail::launch_trace<Method, Test, Query::closest>, detail::launch_trace<Method, Test, Query::any>};
+    result.ray_sizes[i++] = {detail::ray_sizes<typename Method::template Traverser<Test, Query::closest>>(),
+                             detail::ray_sizes<typename Method::template Traverser<Test, Query::any>>()};
   });
   return result;
 }

@@ -93,6 +93,7 @@ struct StoreHits {
 struct StoreOccluded {
   std::uint8_t* occluded;
   __device__ void operator()(std::uint32_t ray, const Hit& hit) const { occluded[ray] = hit.valid() ? 1 : 0; }
+  StoreOccluded from(std::uint32_t first_ray) const { return {occluded + first_ray}; }  // for the rays from there on
 };
 
 template <class Traverser, class Work, class Store>

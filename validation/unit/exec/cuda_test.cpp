@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <iterator>
 #include <vector>
 
 #include "libaccel/exec/cuda/device_accel.h"
@@ -14,7 +15,8 @@
 namespace accel {
 namespace {
 
-constexpr LaunchPolicy kPolicies[] = {LaunchPolicy::grid, LaunchPolicy::persistent};
+constexpr LaunchPolicy kPolicies[] = {LaunchPolicy::grid, LaunchPolicy::persistent, LaunchPolicy::multipass};
+static_assert(std::size(kPolicies) == kLaunchPolicies);
 
 // Why there is nothing to test on this machine; empty where there is.
 std::string no_device() {
@@ -121,6 +123,32 @@ TEST(Cuda, SmallBatchesAndEmptyScenes) {
       std::vector<Hit> hits(count, Hit{.t = 1, .prim_id = 1});
       ASSERT_TRUE(batch->hits(hits).ok());
       for (const Hit& hit : hits) EXPECT_FALSE(hit.valid());
+    }
+  }
+}
+
+// Every rule, in one batch and in several.
+TEST(Cuda, MultipassInBatches) {
+  ACCEL_SKIP_WITHOUT_DEVICE();
+  const auto scene = make_builtin("soup:3000");
+  const std::vector<Ray> rays = mixed_rays(scene->mesh);
+  const auto cpu = AnyAccel::build(scene->mesh, "bvh/stack");
+  const auto device = DeviceAccel::upload(cpu->structure(), "bvh/stack");
+  const auto batch = DeviceBatch::upload(rays);
+  std::vector<Hit> expected(rays.size()), hits(rays.size());
+  std::vector<std::uint8_t> expected_any(rays.size()), any(rays.size());
+  ASSERT_TRUE(cpu->closest(rays, expected).ok());
+  ASSERT_TRUE(cpu->occluded(rays, expected_any).ok());
+  for (int rule = 0; rule < kMultipassRules; ++rule) {
+    for (const std::uint32_t batch_size : {1u << 22, 1000u}) {
+      DeviceTraceOptions options{.policy = LaunchPolicy::multipass};
+      options.multipass = {.rule = static_cast<MultipassRule>(rule), .batch_size = batch_size};
+      ASSERT_TRUE(device->trace(*batch, Query::closest, options).ok());
+      ASSERT_TRUE(batch->hits(hits).ok());
+      EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
+      ASSERT_TRUE(device->trace(*batch, Query::any, options).ok());
+      ASSERT_TRUE(batch->occluded(any).ok());
+      EXPECT_EQ(any, expected_any);
     }
   }
 }
