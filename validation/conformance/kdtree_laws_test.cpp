@@ -9,9 +9,9 @@
 
 #include "libaccel/build/kdtree_links.h"
 #include "libaccel/build/kdtree_ropes.h"
+#include "libaccel/build/kdtree_sah.h"
 #include "libaccel/exec/drive.h"
 #include "libaccel/geometry/watertight.h"
-#include "libaccel/rays/ray_sets.h"
 #include "libaccel/trace/kdtree_backtrack.h"
 #include "libaccel/trace/kdtree_restart.h"
 #include "libaccel/trace/kdtree_ropes.h"
@@ -19,6 +19,7 @@
 #include "libaccel/trace/kdtree_stack.h"
 #include "scenes/procedural.h"
 #include "validation/stress/random_kdtrees.h"
+#include "validation/stress/stress_cells.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
 
@@ -49,6 +50,12 @@ Record record_of(const KdTree& tree, const Ray& ray) {
   RecordingObserver observer;
   observer.record.hit = trace_ray<Traverser<Watertight, kQuery>>(tree.view(), ray, observer);
   return observer.record;
+}
+
+KdTree built(const TriangleMesh& mesh) {
+  Result<Built<KdTree>> result = KdTreeSah::build(mesh, {});
+  EXPECT_TRUE(result);
+  return result ? std::move(result->structure) : KdTree{};
 }
 
 class Laws {
@@ -99,6 +106,29 @@ TEST(KdTreeLaws, OnRandomTreesOverScenesThatHurt) {
       Laws(scene.name, random_kdtree(scene.mesh, seed)).check(stress_rays(scene.mesh, 400, 52 + seed));
       Laws(scene.name, random_kdtree(scene.mesh, seed + 10)).check(nearly_parallel_rays(scene.mesh, -149, -60, 50, seed));
     }
+  }
+}
+
+TEST(KdTreeLaws, OnScenesAndRaysThatHurtCells) {
+  for (const StressScene& scene : cell_stress_scenes()) {
+    for (const std::uint64_t seed : {1, 2}) {
+      Laws laws(scene.name, random_kdtree(scene.mesh, seed));
+      laws.check(cell_stress_rays(scene.mesh, 400, seed));
+      laws.check(far_rays(scene.mesh, 1e3f, 50, seed));
+    }
+  }
+}
+
+TEST(KdTreeLaws, OnBuiltTrees) {
+  for (const StressScene& scene : stress_scenes(56)) {
+    Laws laws(scene.name, built(scene.mesh));
+    laws.check(stress_rays(scene.mesh, 300, 57));
+  }
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    const Result<SceneData> scene = make_builtin(std::string(builtin.name) + ":1000");
+    ASSERT_TRUE(scene) << scene.message();
+    Laws laws(std::string(builtin.name), built(scene->mesh));
+    laws.check(stress_rays(scene->mesh, 300, 58));
   }
 }
 
