@@ -187,6 +187,31 @@ test_build_options_change_the_structure() {
   usage_error trace soup.accel --bins 8; says err --bins
 }
 
+test_kdtrees() {
+  needs_python
+  expect 0 build builtin:soup:5000 --structure kdtree --stats; says out "inner nodes"; says out "a random line expects"; says out ARRAY
+  says out "LEAF DEPTH"; lacks out "because"
+  expect 0 build builtin:soup:5000 --structure kdtree --traversal-cost 8 --empty-bonus 0 --max-references 2 --json few.json
+  expect 0 build builtin:soup:5000 --structure kdtree --json many.json
+  json few.json 'j["benchmarks"][0]["inner_nodes"] < json.load(open("many.json"))["benchmarks"][0]["inner_nodes"] / 2'
+  json few.json 'j["benchmarks"][0]["references"] <= 2 * 5000'
+  json many.json 'set(j["benchmarks"][0]["array_bytes"]) == {"nodes", "triangles", "references"}'
+  expect 0 build builtin:soup:5000 --structure kdtree --max-depth 4 --json -; json out 'j["benchmarks"][0]["depth"] == 4'
+  usage_error build builtin:soup:5000 --stats --empty-bonus 1; says err --empty-bonus
+  usage_error build builtin:soup:5000 --stats --max-references 0.5; says err --max-references
+}
+
+# What is left out is said; that hits are the same without it, the checks of accel-trace show.
+test_explain() {
+  expect 0 build builtin:soup:5000 --structure kdtree --stats --explain
+  says out "parents and boxes: skipped, because kdtree/stack does not read them"; says out "ropes: skipped"
+  says out "parts of triangles: skipped, because"
+  expect 0 build builtin:soup:5000 --for kdtree/ropes --explain -o ropes.accel; says out "ropes: added, because kdtree/ropes reads them"
+  expect 0 trace ropes.accel --method kdtree/ropes,kdtree/backtrack --explain --json both.json; says out "all right"
+  says out "parents and boxes: added, because kdtree/backtrack reads them"; lacks out "ropes: added"
+  expect 0 trace builtin:cornell --method bvh/stack --explain; says out "nothing was left out"
+}
+
 test_grids() {
   needs_python
   expect 0 build builtin:soup:5000 --structure grid --stats; says out "references to 5,000 triangles"; says out "LEAF SIZE"
