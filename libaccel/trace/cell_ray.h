@@ -14,7 +14,6 @@
 // are scaled by 2^64.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -27,15 +26,20 @@ namespace accel {
 
 struct CellRay {
   float org[3];
-  float inv_dir[3];        // +inf for zero of either sign
-  float t_anchor, t_unit;  // the distance t here is t_anchor + t_unit * t of the ray
+  float inv_dir[3];              // +inf for zero of either sign
+  std::uint32_t backwards_axes;  // bit a: the ray runs towards smaller coordinates
+  float t_anchor, t_unit;        // the distance t here is t_anchor + t_unit * t of the ray
 
   // For cells in a box, which is not empty.
   ACCEL_HD static CellRay prepare(const Ray& ray, const Aabb& box) {
     constexpr float kTiny = 0x1p-64f;
     const bool is_tiny = largest_magnitude(ray.dir) < kTiny, is_far = is_beyond_reach(ray.org, box);
     if (is_tiny || is_far) return anchored(ray, box, is_tiny ? 1 / kTiny : 1.0f, is_far);
-    return {{ray.org.x, ray.org.y, ray.org.z}, {inverse(ray.dir.x), inverse(ray.dir.y), inverse(ray.dir.z)}, 0.0f, 1.0f};
+    return {{ray.org.x, ray.org.y, ray.org.z},
+            {inverse(ray.dir.x), inverse(ray.dir.y), inverse(ray.dir.z)},
+            backwards_axes_of(ray.dir),
+            0.0f,
+            1.0f};
   }
 
   // A ray's interval in distances of its cells.
@@ -51,9 +55,7 @@ struct CellRay {
   }
 
   // 1 where the ray runs towards smaller coordinates, else 0.
-  ACCEL_HD std::uint32_t backwards(int axis) const {
-    return std::bit_cast<std::uint32_t>(element_of_three(inv_dir, axis)) >> 31;
-  }
+  ACCEL_HD std::uint32_t backwards(int axis) const { return backwards_axes >> axis & 1u; }
 
   // The faces through which the ray enters and leaves boxes.
   ACCEL_HD float entry_face(const Aabb& box, int axis) const { return backwards(axis) != 0 ? box.hi[axis] : box.lo[axis]; }
@@ -72,6 +74,9 @@ struct CellRay {
 
  private:
   ACCEL_HD static float inverse(float dir) { return dir == 0 ? std::numeric_limits<float>::infinity() : 1.0f / dir; }
+  ACCEL_HD static std::uint32_t backwards_axes_of(Vec3 dir) {
+    return (dir.x < 0 ? 1u : 0u) | (dir.y < 0 ? 2u : 0u) | (dir.z < 0 ? 4u : 0u);
+  }
   ACCEL_HD static float largest_magnitude(Vec3 v) { return magnitude(v[largest_axis(v)]); }
   ACCEL_HD static float magnitude(float x) { return x < 0 ? -x : x; }
 
@@ -88,6 +93,7 @@ struct CellRay {
   ACCEL_HD static CellRay anchored(const Ray& ray, const Aabb& box, float scale, bool moves) {
     CellRay result;
     result.t_unit = scale, result.t_anchor = 0;
+    result.backwards_axes = backwards_axes_of(ray.dir);
     const Vec3 center = box.center();
     double along = 0, length = 0;
     for (int a = 0; a < 3; ++a) {
