@@ -52,7 +52,7 @@ bool lacks_extras(const Structure& structure) {
 }
 
 // Adds what `method`, whose traverser this is, reads and the structure lacks: each a phase and a note of the report. What it
-// does not read is noted as skipped, unless it is there.
+// does not read is noted as skipped, unless it is there; so is what the traverser itself does without.
 template <class Traverser, class Structure>
 Status annotate(Structure& structure, const std::string& method, int threads, BuildReport& report) {
   if constexpr (HasExtras<Structure>) {
@@ -77,6 +77,10 @@ Status annotate(Structure& structure, const std::string& method, int threads, Bu
       report.peak_bytes = std::max<std::uint64_t>(report.peak_bytes, structure.size_bytes());
       report.notes.push_back({name, "added, because " + method + " reads them"});
     }
+  }
+  if constexpr (requires { Traverser::kSkips; }) {
+    std::erase_if(report.notes, [](const BuildNote& note) { return note.what == Traverser::kSkips.what; });
+    report.notes.push_back({Traverser::kSkips.what, Traverser::kSkips.why});
   }
   return Done{};
 }

@@ -23,6 +23,7 @@ template <class Test, Query kQuery>
 struct KdTreeBacktrack {
   static constexpr const char* kName = "backtrack";
   using View = KdTreeView;
+  static constexpr SkippedFeature kSkips = kNoMailbox;
   static constexpr KdExtras kNeeds = KdExtras::parents_and_boxes;
 
   // For speculation: see trace/traverser.h.

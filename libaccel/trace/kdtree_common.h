@@ -26,6 +26,11 @@
 
 namespace accel {
 
+// Of the tests in trees with perfect splits, 4 % (Sponza, primary rays) to 11 % (BART kitchen, primary rays) repeat an earlier
+// test of the ray, which is 0.2 to 0.6 tests a ray. A ring of the last four slots would avoid 2 % to 10 %.
+inline constexpr SkippedFeature kNoMailbox{
+    "mailbox", "skipped, because perfect splits leave few triangles to be tested twice, and looking them up delays every test"};
+
 // What every traverser of the kd-tree carries.
 template <class Test>
 struct KdState {

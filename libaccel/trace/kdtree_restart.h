@@ -17,6 +17,7 @@ template <class Test, Query kQuery>
 struct KdTreeRestart {
   static constexpr const char* kName = "restart";
   using View = KdTreeView;
+  static constexpr SkippedFeature kSkips = kNoMailbox;
 
   // For speculation: see trace/traverser.h.
   static constexpr Phase kAfterLeaf = Phase::backtrack;

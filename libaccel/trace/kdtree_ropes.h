@@ -21,6 +21,7 @@ template <class Test, Query kQuery>
 struct KdTreeRopes {
   static constexpr const char* kName = "ropes";
   using View = KdTreeView;
+  static constexpr SkippedFeature kSkips = kNoMailbox;
   static constexpr KdExtras kNeeds = KdExtras::ropes;
 
   // For speculation: see trace/traverser.h.

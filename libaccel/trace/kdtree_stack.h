@@ -14,6 +14,7 @@ template <class Test, Query kQuery>
 struct KdTreeStack {
   static constexpr const char* kName = "stack";
   using View = KdTreeView;
+  static constexpr SkippedFeature kSkips = kNoMailbox;
 
   // One postponed child for each inner node on the path.
   static constexpr std::uint32_t kMaxDepth = kKdStackSize;

@@ -8,6 +8,7 @@
 //     struct State {...};   // trivially copyable, of constant size: copying it pauses the traversal
 //     struct Stack {...};   // optional, likewise: arrays with run-time indices; State has a member Stack* stack (see below)
 //     static constexpr std::uint32_t kMaxDepth = ...;  // optional: the deepest tree that the state has room for
+//     static constexpr SkippedFeature kSkips = ...;    // optional: what users may expect of it, and why it does without
 //     static constexpr bool kIsExhaustive = true;      // optional: every ray tests every triangle
 //     template <class Observer> ACCEL_HD static Phase begin    (const View&, const Ray&, State&, Hit&, Observer&);
 //     template <class Observer> ACCEL_HD static Phase descend  (const View&, const Ray&, State&, Hit&, Observer&);
@@ -46,6 +47,11 @@
 #include "libaccel/core/ray.h"
 
 namespace accel {
+
+struct SkippedFeature {
+  const char* what;
+  const char* why;
+};
 
 enum class Phase : std::uint8_t { descend, intersect, backtrack, done };
 

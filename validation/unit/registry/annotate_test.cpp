@@ -55,7 +55,8 @@ TEST(Annotate, AddsNothingForRestart) {
   ASSERT_TRUE(annotate<Restart>(kd, "kdtree/restart", 1, report));
   EXPECT_EQ(kd.size_bytes(), bytes);
   EXPECT_TRUE(report.phases.empty());
-  EXPECT_EQ(report.notes.size(), 2u);
+  EXPECT_EQ(report.notes.size(), 3u);
+  EXPECT_EQ(why(report, "mailbox"), kNoMailbox.why);
 }
 
 // As when a structure is bound to one method after the other.
@@ -68,7 +69,7 @@ TEST(Annotate, KeepsWhatIsThere) {
   EXPECT_EQ(kd.nodes.data(), before.nodes.data()) << "arrays are shared";
   EXPECT_EQ(kd.cells.data(), before.cells.data());
   EXPECT_TRUE(before.ropes.empty()) << "the copy stays as it was";
-  EXPECT_EQ(report.notes.size(), 2u);
+  EXPECT_EQ(report.notes.size(), 3u);
   EXPECT_EQ(why(report, "ropes"), "added, because kdtree/ropes reads them");
   EXPECT_EQ(report.phases.size(), 2u);
   ASSERT_TRUE(annotate<Ropes>(kd, "kdtree/ropes", 1, report));
