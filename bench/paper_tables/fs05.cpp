@@ -218,8 +218,7 @@ StateCounts operator*(const StateCounts& c, double scale) {
 }
 
 std::string table2(const std::vector<SceneResult>& results) {
-  std::string text =
-      "\nTable 2: how often rays were in each state, for 512 x 512 rays; (Down + Up) / the stack version's Down\n";
+  std::string text = "\nTable 2: how often 512 x 512 rays were in each state; ratio: (Down + Up) / the stack version's Down\n";
   TextTable table({"scene, method", "Down", "paper", "Up", "paper", "Tests", "paper", "Trans.", "paper", "ratio", "paper"});
   for (const Table2Figures& figures : kTable2) {
     const SceneResult& result = results[figures.scene];
@@ -243,7 +242,7 @@ std::string table2(const std::vector<SceneResult>& results) {
 // What a ray's step moves, in floats: what it carries and what it fetches on one side, what it leaves behind on the other.
 std::string table3(const std::vector<SceneResult>& results) {
   std::string text =
-      "\nTable 3: floats that a kernel reads and writes for one ray, of them fetched from the structure (Kitchen)\n";
+      "\nTable 3 (Kitchen): floats in and out for a ray, and of those in, fetched from the structure\n";
   TextTable table({"kernel", "in", "paper", "out", "paper", "fetched", "paper"});
   for (const KernelFigures& paper : kTable3) {
     const auto& p = results.back().methods[paper.method]->profile.of(paper.kernel);
@@ -258,9 +257,11 @@ std::string table3(const std::vector<SceneResult>& results) {
 
 std::string streams(const std::vector<SceneResult>& results) {
   std::string text =
-      "\nThe streams: passes by Delany's rule; rays at work, of all lanes that a masked pass runs over and of those in warps "
-      "of 32\n"
-      "that cannot be skipped; bytes per ray that are carried from pass to pass, and fetched from the structure\n";
+      "\n" +
+      paragraph(
+          "The streams: passes by Delany's rule; rays at work, of all lanes that a masked pass runs over and of those in warps "
+          "of 32 that cannot be skipped; bytes per ray that are carried from pass to pass, and fetched from the structure",
+          0, 2);
   TextTable table({"scene, method", "passes", "switches", "rays/pass", "of all", "of warps", "carried", "fetched"});
   for (std::size_t s = 0; s < results.size(); ++s) {
     table.add({kScenes[s].scene.title});
@@ -305,46 +306,51 @@ std::string ratios(const std::vector<SceneResult>& results, MethodIndex method) 
 // How much of Table 2 the views explain, and how much the trees.
 std::string counts_note(const Table2Figures& figures, const SceneResult& result) {
   const StateCounts ours = counts_of(*result.methods[kStack]), paper = figures.backtrack * 1e6;
-  return print(
-      "  %s: %.2f x the paper's leaves and %.2f x its tests, and %.1f steps down to a leaf where the paper has %.1f.\n",
-      kScenes[figures.scene].scene.title, ours.transitions / paper.transitions, ours.tests / paper.tests,
-      2 * ours.down / ours.transitions, 2 * paper.down / paper.transitions);
+  return paragraph(
+      print("%s: %.2f x the paper's leaves and %.2f x its tests, and %.1f steps down to a leaf where the paper has %.1f.",
+            kScenes[figures.scene].scene.title, ours.transitions / paper.transitions, ours.tests / paper.tests,
+            2 * ours.down / ours.transitions, 2 * paper.down / paper.transitions));
+}
+
+// What Table 1 and the streams say about the X800.
+std::string machine_notes(const std::vector<SceneResult>& results) {
+  const double restart = model_ms(kTable2[0].restart), backtrack = model_ms(kTable2[0].backtrack);
+  const MultipassProfile::KernelPasses passes = results[2].methods[kRestart]->profile.total();
+  return paragraph(
+             "Brute force is measured on every n-th ray and scaled. The paper's own times for it disagree: 66 us a triangle in "
+             "the "
+             "three large scenes, 3.9 G tests/s, but 719 us in the Cornell Box, 0.36 G tests/s, and section 3 says 0.35 G "
+             "tests/s. "
+             "At that rate the large scenes would take 52 to 83 s, as the model has it, not 5 to 7 s.") +
+         paragraph(print(
+             "The X800's kernels at full speed need %.0f ms for the paper's counts of Robots with Restart and %.0f ms with "
+             "Backtrack; it measured 968 and 946. The rest, a factor of %.1f and %.1f, is masking and switching (section "
+             "5: \"more than five\").",
+             restart, backtrack, 968 / restart, 946 / backtrack)) +
+         paragraph(print(
+             "In our masked passes (Robots, Restart) %.0f %% of all lanes are at work, and %.0f %% of those in warps with "
+             "any at work: a machine that skips idle warps, as early z-culling does in part, loses a factor between "
+             "%.1f and %.1f.",
+             100 * passes.utilisation(), 100 * passes.warp_utilisation(), 1 / passes.warp_utilisation(),
+             1 / passes.utilisation()));
 }
 
 std::string notes(const std::vector<SceneResult>& results) {
   std::string text = "\nWhere and why they differ\n";
   if (std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }))
-    text += "  * A built-in scene of comparable kind stands in for the paper's, which was not found: no figure compares.\n";
-  text += "  Steps as multiples of the stack version's: Restart " + ratios(results, kRestart) + ";\n    Backtrack " +
-          ratios(results, kBacktrack) + ".\n";
+    text +=
+        paragraph("* A built-in scene of comparable kind stands in for the paper's, which was not found: no figure compares.");
+  text += paragraph("Steps as multiples of the stack version's: Restart " + ratios(results, kRestart) + "; Backtrack " +
+                    ratios(results, kBacktrack) + ".");
   for (const Table2Figures& figures : kTable2) text += counts_note(figures, results[figures.scene]);
-  text +=
-      "  Leaves and tests tell how near the view is, steps to a leaf how the trees differ: ours split clipped triangles and "
-      "cut off\n"
-      "  empty space, from the same costs.\n";
+  text += paragraph(
+      "Leaves and tests tell how near the view is, steps to a leaf how the trees differ: ours split clipped triangles and cut "
+      "off "
+      "empty space, from the same costs.");
   const auto grid = [&](std::size_t s) { return results[s].methods[kGrid]->while_ms / results[s].methods[kRestart]->while_ms; };
-  text += print("  Grid against Restart, while-while: %.2f on Bunny (paper 0.51), %.2f on Robots (paper 8.62).\n", grid(1),
-                grid(2));
-  text +=
-      "  Brute force is measured on every n-th ray and scaled. The paper's own times for it disagree: 66 us a triangle in the "
-      "three\n"
-      "  large scenes, 3.9 G tests/s, but 719 us in the Cornell Box, 0.36 G tests/s, and section 3 says 0.35 G tests/s. At "
-      "that\n"
-      "  rate the large scenes would take 52 to 83 s, as the model has it, not 5 to 7 s.\n";
-  const double restart = model_ms(kTable2[0].restart), backtrack = model_ms(kTable2[0].backtrack);
-  text += print(
-      "  The X800's kernels at full speed need %.0f ms for the paper's counts of Robots with Restart and %.0f ms with "
-      "Backtrack; it\n"
-      "  measured 968 and 946. The rest, a factor of %.1f and %.1f, is masking and switching (section 5: \"more than "
-      "five\").\n",
-      restart, backtrack, 968 / restart, 946 / backtrack);
-  const MultipassProfile::KernelPasses passes = results[2].methods[kRestart]->profile.total();
-  text += print(
-      "  In our masked passes (Robots, Restart) %.0f %% of all lanes are at work, and %.0f %% of those in warps with any at "
-      "work: a\n"
-      "  machine that skips idle warps, as early z-culling does in part, loses a factor between %.1f and %.1f.\n",
-      100 * passes.utilisation(), 100 * passes.warp_utilisation(), 1 / passes.warp_utilisation(), 1 / passes.utilisation());
-  return text;
+  text += paragraph(
+      print("Grid against Restart, while-while: %.2f on Bunny (paper 0.51), %.2f on Robots (paper 8.62).", grid(1), grid(2)));
+  return text + machine_notes(results);
 }
 
 Json row_json(std::size_t scene, int m, const SceneResult& result, const Settings& settings) {

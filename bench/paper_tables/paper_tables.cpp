@@ -4,6 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 
 #include "libaccel/io/load_scene.h"
 #include "libaccel/rays/camera.h"
@@ -49,6 +50,23 @@ std::string TextTable::text() const {
     text += line + "\n";
   }
   return text;
+}
+
+std::string paragraph(const std::string& text, std::size_t first, std::size_t rest) {
+  constexpr std::size_t kWidth = 100;
+  std::string lines, line(first, ' ');
+  bool is_empty = true;
+  std::istringstream words(text);
+  for (std::string word; words >> word; is_empty = false) {
+    if (!is_empty && line.size() + 1 + word.size() > kWidth) {
+      lines += line + "\n";
+      line.assign(rest, ' ');
+    } else if (!is_empty) {
+      line += ' ';
+    }
+    line += word;
+  }
+  return lines + line + "\n";
 }
 
 std::string print(const char* format, ...) {

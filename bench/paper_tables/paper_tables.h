@@ -56,6 +56,9 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
+// Text in lines of at most 100 columns that end with a line break; the first is indented by `first`, the others by `rest`.
+std::string paragraph(const std::string& text, std::size_t first = 2, std::size_t rest = 4);
+
 // As printf.
 [[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...);
 
