@@ -56,7 +56,7 @@ std::string references_text(const BuildReport& build) {
   const double triangles = static_cast<double>(std::max<std::uint64_t>(build.triangles, 1));
   const double each = static_cast<double>(build.references) / triangles;
   return "  " + counted(build.references, "reference") + " to " + counted(build.triangles, "triangle") +
-         (each < 2 ? print(" (duplication %.1f %%)", 100 * (each - 1)) : print(" (%.2f each)", each)) + "\n";
+         (each < 2 ? print(" (duplication %.1f %%)", 100 * (each - 1)) : "") + "\n";
 }
 
 // One line on shape and quality, and for trees of cells one on what a random line meets.

@@ -156,19 +156,17 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
     app.add_option(flag, value, what)->check(std::move(valid))->capture_default_str()->type_name(type)->group("Build");
   };
   add("--max-leaf-size", options.max_leaf_size, "BVHs: most triangles in a leaf", whole_number(1, 1024), "N");
-  add("--max-depth", options.max_depth, "most inner nodes on a path; kd-trees keep to 8 + 1.3 log2 n too",
-      whole_number(1, kMaxBuildDepth), "N");
+  add("--max-depth", options.max_depth, "most inner nodes on a path", whole_number(1, kMaxBuildDepth), "N");
   add("--bins", options.bins, "BVHs: bins of the surface-area heuristic, per axis", whole_number(2, kMaxBins), "N");
-  add("--traversal-cost", options.traversal_cost, "cost of a step through a node; ratios of costs matter",
-      real_number(1e-3, 1e6), "X");
+  add("--traversal-cost", options.traversal_cost, "cost of a step through a node", real_number(1e-3, 1e6), "X");
   add("--intersection-cost", options.intersection_cost, "cost of a triangle test", real_number(1e-3, 1e6), "X");
-  add("--spatial-overlap", options.spatial_overlap, "sbvh: least overlap for a spatial split, as a share of the root",
+  add("--spatial-overlap", options.spatial_overlap, "sbvh: least overlap for a spatial split, as a share\nof the root",
       real_number(0, 1), "X");
-  add("--max-duplication", options.max_duplication, "sbvh: extra references that spatial splits may make, per triangle",
+  add("--max-duplication", options.max_duplication, "sbvh: extra references that spatial splits may make,\nper triangle",
       real_number(0, kMaxDuplication), "X");
-  add("--empty-bonus", options.empty_bonus, "kd-trees: how much cheaper planes are that cut off empty space, as a share",
+  add("--empty-bonus", options.empty_bonus, "kd-trees: share by which planes that cut off\nempty space are cheaper",
       real_number(0, 0.99), "X");
-  add("--max-references", options.max_references, "kd-trees and grids: most references in the leaves, per triangle",
+  add("--max-references", options.max_references, "kd-trees and grids: most references in the leaves,\nper triangle",
       real_number(1, kMaxKdReferences), "X");
   add("--grid-density", options.grid_density, "grids: cells per triangle", real_number(1e-6, kMaxGridDensity), "X");
   add_grid_options(app, options);
