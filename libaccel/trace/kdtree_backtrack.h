@@ -20,22 +20,16 @@
 namespace accel {
 
 template <class Test, Query kQuery>
-struct KdTreeBacktrack {
+struct KdTreeBacktrack : KdTraversal<Test, kQuery> {
   static constexpr const char* kName = "backtrack";
   using View = KdTreeView;
-  static constexpr SkippedFeature kSkips = kNoMailbox;
   static constexpr KdExtras kNeeds = KdExtras::parents_and_boxes;
-
-  // For speculation: see trace/traverser.h.
-  static constexpr Phase kAfterLeaf = Phase::backtrack;
 
   struct State : KdState<Test> {
     float t_end;          // global-t_max
     std::uint32_t index;  // of the node that the traversal is in, or that it climbs from
     bool climbing;
   };
-
-  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.reference; }
 
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
@@ -52,12 +46,6 @@ struct KdTreeBacktrack {
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
     if (plane.t < state.t_max) state.t_max = plane.t;
     return go_to(view, plane.first, state, observer);
-  }
-
-  // search-leaf
-  template <class Observer>
-  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
-    return intersect_next<Test, kQuery>(view.leaves, ray, state.test, first_t(ray), state.reference, hit, kAfterLeaf, observer);
   }
 
   // continue-search after a leaf, then backtrack once for each ancestor.

@@ -90,4 +90,20 @@ ACCEL_HD bool is_final(const Hit& hit, const KdState<Test>& state) {
   return hit.t < state.ray.ray_t(state.t_max);
 }
 
+// What the traversers' types have in common: leaves.
+template <class Test, Query kQuery>
+struct KdTraversal {
+  static constexpr SkippedFeature kSkips = kNoMailbox;
+
+  // For speculation: see trace/traverser.h.
+  static constexpr Phase kAfterLeaf = Phase::backtrack;
+  ACCEL_HD static std::uint32_t& leaf(KdState<Test>& state) { return state.reference; }
+
+  // search-leaf
+  template <class Observer>
+  ACCEL_HD static Phase intersect(const KdTreeView& view, const Ray& ray, KdState<Test>& state, Hit& hit, Observer& observer) {
+    return intersect_next<Test, kQuery>(view.leaves, ray, state.test, first_t(ray), state.reference, hit, kAfterLeaf, observer);
+  }
+};
+
 }  // namespace accel

@@ -14,19 +14,13 @@
 namespace accel {
 
 template <class Test, Query kQuery>
-struct KdTreeRestart {
+struct KdTreeRestart : KdTraversal<Test, kQuery> {
   static constexpr const char* kName = "restart";
   using View = KdTreeView;
-  static constexpr SkippedFeature kSkips = kNoMailbox;
-
-  // For speculation: see trace/traverser.h.
-  static constexpr Phase kAfterLeaf = Phase::backtrack;
 
   struct State : KdState<Test> {
     float t_end;  // global-t_max
   };
-
-  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.reference; }
 
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
@@ -43,12 +37,6 @@ struct KdTreeRestart {
     if (!(plane.t > state.t_min)) return enter(view, plane.second(), state, observer);
     if (plane.t < state.t_max) state.t_max = plane.t;
     return enter(view, plane.first, state, observer);
-  }
-
-  // search-leaf
-  template <class Observer>
-  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
-    return intersect_next<Test, kQuery>(view.leaves, ray, state.test, first_t(ray), state.reference, hit, kAfterLeaf, observer);
   }
 
   // continue-search

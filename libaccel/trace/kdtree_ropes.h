@@ -18,21 +18,15 @@
 namespace accel {
 
 template <class Test, Query kQuery>
-struct KdTreeRopes {
+struct KdTreeRopes : KdTraversal<Test, kQuery> {
   static constexpr const char* kName = "ropes";
   using View = KdTreeView;
-  static constexpr SkippedFeature kSkips = kNoMailbox;
   static constexpr KdExtras kNeeds = KdExtras::ropes;
-
-  // For speculation: see trace/traverser.h.
-  static constexpr Phase kAfterLeaf = Phase::backtrack;
 
   struct State : KdState<Test> {
     float t_end;
     std::uint32_t rope;  // of the face through which the ray leaves the leaf
   };
-
-  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.reference; }
 
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
@@ -48,11 +42,6 @@ struct KdTreeRopes {
     const KdCrossing plane = crossing(state.ray, state.node);
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
     return go_to(view, plane.first, state, observer);
-  }
-
-  template <class Observer>
-  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
-    return intersect_next<Test, kQuery>(view.leaves, ray, state.test, first_t(ray), state.reference, hit, kAfterLeaf, observer);
   }
 
   template <class Observer>

@@ -14,13 +14,9 @@
 namespace accel {
 
 template <class Test, Query kQuery>
-struct KdTreeShortStack {
+struct KdTreeShortStack : KdTraversal<Test, kQuery> {
   static constexpr const char* kName = "short-stack";
   using View = KdTreeView;
-  static constexpr SkippedFeature kSkips = kNoMailbox;
-
-  // For speculation: see trace/traverser.h.
-  static constexpr Phase kAfterLeaf = Phase::backtrack;
 
   // Entries; a power of two.
   static constexpr std::uint32_t kSize = 4;
@@ -42,8 +38,6 @@ struct KdTreeShortStack {
     Stack* stack;
   };
 
-  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.reference; }
-
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
     if (!begin_kdtree(view, ray, state, hit)) return Phase::done;
@@ -63,11 +57,6 @@ struct KdTreeShortStack {
     state.push_down = false;
     state.t_max = plane.t;
     return enter(view, plane.first, state, observer);
-  }
-
-  template <class Observer>
-  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
-    return intersect_next<Test, kQuery>(view.leaves, ray, state.test, first_t(ray), state.reference, hit, kAfterLeaf, observer);
   }
 
   template <class Observer>

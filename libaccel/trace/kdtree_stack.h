@@ -11,16 +11,12 @@
 namespace accel {
 
 template <class Test, Query kQuery>
-struct KdTreeStack {
+struct KdTreeStack : KdTraversal<Test, kQuery> {
   static constexpr const char* kName = "stack";
   using View = KdTreeView;
-  static constexpr SkippedFeature kSkips = kNoMailbox;
 
   // One postponed child for each inner node on the path.
   static constexpr std::uint32_t kMaxDepth = kKdStackSize;
-
-  // For speculation: see trace/traverser.h.
-  static constexpr Phase kAfterLeaf = Phase::backtrack;
 
   struct Postponed {
     std::uint32_t node;
@@ -33,8 +29,6 @@ struct KdTreeStack {
     int postponed;  // entries on the stack
     Stack* stack;
   };
-
-  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.reference; }
 
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
@@ -56,12 +50,6 @@ struct KdTreeStack {
     entry = {plane.second(), state.t_max};
     state.t_max = plane.t;
     return enter(view, plane.first, state, observer);
-  }
-
-  // search-leaf
-  template <class Observer>
-  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
-    return intersect_next<Test, kQuery>(view.leaves, ray, state.test, first_t(ray), state.reference, hit, kAfterLeaf, observer);
   }
 
   // continue-search
