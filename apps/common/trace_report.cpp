@@ -80,7 +80,12 @@ std::string structures_section(const TraceReport& report, const Terminal& termin
 std::string verdict_cell(const TraceRow& row, const Terminal& terminal) {
   if (!row.check) return row.is_witness ? "" : "not checked";
   if (row.check->failures() > 0) return terminal.styled(with_commas(row.check->failures()) + " WRONG", Style::bad);
-  return terminal.styled(row.check->limit_binds() ? "none found wrong" : "all right", Style::good);
+  return terminal.styled(row.check->limit_binds() ? "right so far" : "all right", Style::good);
+}
+
+// Exact up to a million, which keeps the column narrow; the JSON has all digits.
+std::string short_count(std::uint64_t n) {
+  return n < 1000000 ? with_commas(n) : print("%.2f M", static_cast<double>(n) * 1e-6);
 }
 
 std::string speed_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
@@ -90,8 +95,8 @@ std::string speed_section(const TraceReport& report, const TraceSettings& settin
                {"Mrays/s"},
                {"min - max"},
                {"x Embree"},
-               {"nodes/ray"},
-               {"tests/ray"},
+               {"nodes"},
+               {"tests"},
                {"hits", Align::left}});
   const std::string* kind = nullptr;
   for (const TraceRow& row : report.rows) {
@@ -100,14 +105,15 @@ std::string speed_section(const TraceReport& report, const TraceSettings& settin
     const TraceRow* witness = report.witness_row(row.rays_kind);
     const bool timed = row.speed.median > 0;
     const bool compared = timed && witness != nullptr && witness->speed.median > 0;
-    table.add_row({first ? row.rays_kind : "", row.method, first ? with_commas(row.rays) : "",
+    table.add_row({first ? row.rays_kind : "", row.method, first ? short_count(row.rays) : "",
                    timed ? short_number(row.speed.median) : "",
                    timed ? short_number(row.speed.least) + " - " + short_number(row.speed.most) : "",
                    compared ? print("%.2f", row.speed.median / witness->speed.median) : "",
                    row.counters ? per_ray(row.counters->node_steps, row.rays) : "",
                    row.counters ? per_ray(row.counters->triangle_tests, row.rays) : "", verdict_cell(row, terminal)});
   }
-  return section(terminal, "Speed, median of " + counted(static_cast<std::uint64_t>(settings.repeat), "run") + " in turns") +
+  return section(terminal, "Speed, median of " + counted(static_cast<std::uint64_t>(settings.repeat), "run") +
+                               " in turns; nodes and tests a ray") +
          table.text();
 }
 
@@ -119,15 +125,14 @@ void add_verdict_row(Table& table, const std::string& kind, const std::string& e
   const auto wrong = validation::rate(v.failures(), rays);
   const std::string per_million =
       v.failures() == 0 ? "< " + short_number(wrong.bound95_per_million) : short_number(wrong.per_million);
-  table.add_row({kind, engine, with_commas(v.agree), with_commas(v.judged), with_commas(v.right), with_commas(v.neighbour),
-                 with_commas(v.edge), bad(v.miss), bad(v.far), bad(v.false_hit), per_million});
+  table.add_row({kind, engine, with_commas(v.agree), with_commas(v.right), with_commas(v.neighbour), with_commas(v.edge),
+                 bad(v.miss), bad(v.far), bad(v.false_hit), per_million});
 }
 
 std::string verdict_section(const TraceReport& report, const Terminal& terminal) {
   Table table({{"RAYS", Align::left},
                {"engine", Align::left},
                {"agree"},
-               {"judged"},
                {"right"},
                {"neighb."},
                {"edge"},
@@ -135,14 +140,18 @@ std::string verdict_section(const TraceReport& report, const Terminal& terminal)
                {"far"},
                {"false"},
                {"wrong/M"}});
+  std::string limits;
   for (const TraceRow& row : report.rows) {
     if (!row.check) continue;
+    if (row.check->limit_binds())
+      limits += "  " + row.method + ", " + row.rays_kind + ": --judge-limit left " + counted(row.check->unjudged, "ray") +
+                " unjudged\n";
     add_verdict_row(table, row.rays_kind, row.method, row.check->ours, row.rays, terminal);
     if (row.check->has_witness) add_verdict_row(table, "", "Embree robust", row.check->witness, row.rays, terminal);
   }
   return section(terminal,
                  "Verdicts: of rays that agree with the witness a sample is judged exactly, of all others every one") +
-         table.text();
+         table.text() + limits;
 }
 
 // Hundredths are enough, and keep the columns narrow.
@@ -151,10 +160,10 @@ std::string ulp_text(double ulp) { return ulp < 100 ? print("%.2f", ulp) : short
 std::string adjudication_section(const TraceReport& report, const Terminal& terminal) {
   Table table({{"RAYS", Align::left},
                {"method", Align::left},
-               {"both right"},
+               {"both"},
                {"only ours"},
                {"only Embree"},
-               {"both wrong"},
+               {"neither"},
                {"ulp mean"},
                {"p99"},
                {"max"}});
@@ -168,7 +177,8 @@ std::string adjudication_section(const TraceReport& report, const Terminal& term
                    measured ? ulp_text(e.t_ulp_mean) : "", measured ? ulp_text(e.t_ulp_p99) : "",
                    measured ? ulp_text(e.t_ulp_max) : ""});
   }
-  return section(terminal, "Adjudication of judged rays, and error of t against exact arithmetic") + table.text();
+  return section(terminal, "Adjudication of judged rays: who was right, and the error of t against exact arithmetic") +
+         table.text();
 }
 
 std::string simt_section(const TraceReport& report, const Terminal& terminal) {

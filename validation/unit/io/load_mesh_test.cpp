@@ -54,7 +54,7 @@ TEST_F(LoadMeshTest, ChoosesByName) {
 TEST_F(LoadMeshTest, MissingFilesAndFolders) {
   expect_error(folder() / "missing.ply", "No such file");
   fs::create_directory(folder() / "folder.ply");
-  expect_error(folder() / "folder.ply", "not a regular file");
+  expect_error(folder() / "folder.ply", "is a folder");
   expect_error(file("empty.ply", ""), "a PLY file begins");
 }
 
