@@ -31,3 +31,9 @@ string(STRIP "${output}" output)
 if(NOT output STREQUAL CMAKE_MATCH_1)
   message(FATAL_ERROR "the example prints '${output}', but README.md says '${CMAKE_MATCH_1}'")
 endif()
+
+# accel::cuda is there too, in either form, and tells the device or the reason.
+execute_process(COMMAND "${WORK_DIR}/build/device" OUTPUT_VARIABLE device COMMAND_ERROR_IS_FATAL ANY)
+if(NOT device MATCHES "[a-zA-Z]")
+  message(FATAL_ERROR "accel::cuda does not tell the device, or why there is none")
+endif()
