@@ -6,7 +6,6 @@
 // resolutions.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <optional>
 
@@ -93,19 +92,6 @@ struct Contender {
 
 constexpr double kMostBruteTests = 4e7;
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0.0 : values[values.size() / 2];
-}
-
-template <class Work>
-Status time_ms(const Work& work, std::vector<double>& times) {
-  const auto start = std::chrono::steady_clock::now();
-  if (const Status done = work(); !done) return done;
-  times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  return Done{};
-}
-
 Result<AnyAccel> build(const TriangleMesh& mesh, MethodIndex index, int grid, const std::vector<Contender>& others) {
   for (const Contender& other : others)
     if (other.accel.method().builder == "kdtree" && index >= kRestart) return other.accel.with_method(kMethodNames[index]);
@@ -181,10 +167,6 @@ Result<SceneResult> measure(const SceneFigures& figures, const Settings& setting
   return result;
 }
 
-std::string number(double value) {
-  return value < 9.995 ? print("%.2f", value) : value < 99.95 ? print("%.1f", value) : print("%.0f", value);
-}
-std::string percent(double share) { return number(100 * share) + " %"; }
 std::string millions(double value) { return print("%.2f M", value * 1e-6); }
 
 std::string table1(const std::vector<SceneResult>& results, const Settings& settings) {
@@ -241,8 +223,7 @@ std::string table2(const std::vector<SceneResult>& results) {
 
 // What a ray's step moves, in floats: what it carries and what it fetches on one side, what it leaves behind on the other.
 std::string table3(const std::vector<SceneResult>& results) {
-  std::string text =
-      "\nTable 3 (Kitchen): floats in and out for a ray, and of those in, fetched from the structure\n";
+  std::string text = "\nTable 3 (Kitchen): floats in and out for a ray, and of those in, fetched from the structure\n";
   TextTable table({"kernel", "in", "paper", "out", "paper", "fetched", "paper"});
   for (const KernelFigures& paper : kTable3) {
     const auto& p = results.back().methods[paper.method]->profile.of(paper.kernel);

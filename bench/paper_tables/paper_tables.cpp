@@ -81,4 +81,14 @@ std::string print(const char* format, ...) {
   return text;
 }
 
+std::string number(double value) {
+  return value < 9.995 ? print("%.2f", value) : value < 99.95 ? print("%.1f", value) : print("%.0f", value);
+}
+std::string percent(double share) { return number(100 * share) + " %"; }
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0.0 : values[values.size() / 2];
+}
+
 }  // namespace accel::paper_tables

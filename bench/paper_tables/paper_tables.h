@@ -3,6 +3,7 @@
 // A paper is one file here, with one function that makes its report, and one line in main.cpp.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -61,6 +62,21 @@ std::string paragraph(const std::string& text, std::size_t first = 2, std::size_
 
 // As printf.
 [[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...);
+
+// Three digits.
+std::string number(double value);
+std::string percent(double share);
+
+double median(std::vector<double> values);  // 0 if there are none
+
+// Does the work, which returns a Status, and notes how long it took.
+template <class Work>
+Status time_ms(const Work& work, std::vector<double>& times) {
+  const auto start = std::chrono::steady_clock::now();
+  if (const Status done = work(); !done) return done;
+  times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  return Done{};
+}
 
 // Foley and Sugerman 2005: Tables 1, 2 and 3.
 Result<Report> fs05(const Settings& settings);
