@@ -45,11 +45,11 @@ bool is_zero_area(const Triangle& t) {
 
 bool is_in_range(const Triangle& t) { return in_range(t.v0) && in_range(t.v1) && in_range(t.v2); }
 
-MeshFacts mesh_facts(const TriangleMesh& mesh) {
+MeshFacts mesh_facts(const TriangleSource& triangles) {
   MeshFacts facts;
-  facts.triangles = mesh.size();
-  for (std::size_t i = 0; i < mesh.size(); ++i) {
-    const Triangle triangle = mesh.triangle(i);
+  facts.triangles = triangles.size();
+  for (std::uint64_t i = 0; i < triangles.size(); ++i) {
+    const Triangle triangle = triangles.triangle(static_cast<std::uint32_t>(i));
     if (!is_in_range(triangle)) {
       ++facts.out_of_range;
     } else if (is_zero_area(triangle)) {

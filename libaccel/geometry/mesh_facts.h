@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/geometry/triangle_source.h"
 
 namespace accel {
 
@@ -22,7 +23,7 @@ struct MeshFacts {
   Aabb bounds;  // of the triangles that rays can hit
 };
 
-// One pass over the mesh, whose indices are in range.
-MeshFacts mesh_facts(const TriangleMesh& mesh);
+// One pass over all triangles; indices are in range. Those of instances count once for every instance.
+MeshFacts mesh_facts(const TriangleSource& triangles);
 
 }  // namespace accel

@@ -1,0 +1,125 @@
+#include "libaccel/geometry/instanced_meshes.h"
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <string>
+
+#include "libaccel/core/hit.h"
+#include "libaccel/geometry/mesh_facts.h"
+
+namespace accel {
+namespace {
+
+// The box of the triangles that are in range.
+Aabb bounds_of(const TriangleMesh& mesh) {
+  Aabb box;
+  for (std::size_t i = 0; i < mesh.size(); ++i)
+    if (const Triangle t = mesh.triangle(i); is_in_range(t)) box.extend(t.bounds());
+  return box;
+}
+
+// Whether the corners of the box stay in range, and with them all that is in the box.
+bool stays_in_range(const Affine& transform, const Aabb& box) {
+  if (box.empty()) return true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p{(corner & 1 ? box.hi : box.lo).x, (corner & 2 ? box.hi : box.lo).y, (corner & 4 ? box.hi : box.lo).z};
+    if (!in_range(placed(transform, p))) return false;
+  }
+  return true;
+}
+
+Status check_instance(const Instance& instance, const std::vector<Aabb>& bounds) {
+  if (instance.mesh >= bounds.size())
+    return Error{"is of mesh " + std::to_string(instance.mesh + 1ull) + ", but there are " + std::to_string(bounds.size())};
+  if (const auto inverted = inverse(instance.transform); !inverted) return Error{"its transform " + inverted.message()};
+  if (!stays_in_range(instance.transform, bounds[instance.mesh]))
+    return Error{"its transform takes triangles out of the range of coordinates"};
+  return Done{};
+}
+
+Result<TriangleMesh> flatten(const InstancedMeshes& scene) {
+  std::uint64_t vertices = 0;
+  for (const Instance& instance : scene.instances()) vertices += scene.meshes()[instance.mesh].vertices.size();
+  if (scene.size() > kMaxTriangles || vertices > std::numeric_limits<std::uint32_t>::max())
+    return Error{"the instances have " + std::to_string(scene.size()) +
+                 " triangles together, more than one mesh may have; trace them with a method for instances"};
+  TriangleMesh flat{Buffer<Vec3>(vertices), Buffer<IndexTriple>(scene.size())};
+  std::uint32_t first_vertex = 0;
+  IndexTriple* triangle = flat.triangles.begin();
+  for (const Instance& instance : scene.instances()) {
+    const TriangleMesh& mesh = scene.meshes()[instance.mesh];
+    std::transform(mesh.vertices.begin(), mesh.vertices.end(), flat.vertices.begin() + first_vertex,
+                   [&](Vec3 v) { return placed(instance.transform, v); });
+    for (const IndexTriple& t : mesh.triangles) *triangle++ = {first_vertex + t.v0, first_vertex + t.v1, first_vertex + t.v2};
+    first_vertex += static_cast<std::uint32_t>(mesh.vertices.size());
+  }
+  return flat;
+}
+
+}  // namespace
+
+struct InstancedMeshes::Flat {
+  std::mutex mutex;
+  std::optional<TriangleMesh> mesh;
+};
+
+Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances) {
+  std::vector<Aabb> bounds;
+  for (const TriangleMesh& mesh : meshes) {
+    if (const Status valid = validate(mesh); !valid) return valid.error();
+    bounds.push_back(bounds_of(mesh));
+  }
+  auto parts = std::make_shared<Parts>();
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const std::string name = "instance " + std::to_string(i + 1);
+    if (const Status good = check_instance(instances[i], bounds); !good) return Error{name + ": " + good.message()};
+    parts->first_prims.push_back(static_cast<std::uint32_t>(parts->size));
+    parts->size += meshes[instances[i].mesh].size();
+    if (parts->size > kNoHit)
+      return Error{name + ": its triangles and those before it are more than the 2^32 - 1 that prim_ids can name"};
+  }
+  parts->meshes = std::move(meshes), parts->instances = std::move(instances);
+  parts->flat = std::make_shared<Flat>();
+  return InstancedMeshes(std::move(parts));
+}
+
+std::size_t InstancedMeshes::size_bytes() const {
+  std::size_t bytes = instances().size_bytes();
+  for (const TriangleMesh& mesh : meshes()) bytes += mesh.size_bytes();
+  return bytes;
+}
+
+InstancedMeshes::Place InstancedMeshes::place_of(std::uint32_t prim_id) const {
+  ACCEL_ASSERT(prim_id < size());
+  // The last instance that begins at or before it: those without triangles begin where the next one does.
+  const auto& firsts = state_->first_prims;
+  const auto next = std::upper_bound(firsts.begin(), firsts.end(), prim_id);
+  const auto instance = static_cast<std::uint32_t>(next - firsts.begin() - 1);
+  return {instance, prim_id - firsts[instance]};
+}
+
+Triangle InstancedMeshes::triangle(std::uint32_t prim_id) const {
+  const Place place = place_of(prim_id);
+  const Instance& instance = state_->instances[place.instance];
+  const Triangle t = state_->meshes[instance.mesh].triangle(place.triangle);
+  return {placed(instance.transform, t.v0), placed(instance.transform, t.v1), placed(instance.transform, t.v2)};
+}
+
+Result<TriangleMesh> InstancedMeshes::flattened() const {
+  const std::lock_guard lock(state_->flat->mutex);
+  if (!state_->flat->mesh) {
+    try {
+      Result<TriangleMesh> mesh = flatten(*this);
+      if (!mesh) return mesh;
+      state_->flat->mesh = *std::move(mesh);
+    } catch (const std::bad_alloc&) {
+      return Error{"not enough memory for the " + std::to_string(size()) + " triangles of all instances"};
+    }
+  }
+  return *state_->flat->mesh;
+}
+
+}  // namespace accel

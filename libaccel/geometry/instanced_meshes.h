@@ -1,0 +1,73 @@
+// A scene made of instances: meshes, each placed any number of times by an affine map.
+//
+// prim_id. The triangles of instance i have the consecutive numbers first_prim(i) + their number in the mesh, so that a Hit
+// names instance and triangle in one word, and files, pictures and judges know nothing new. place_of() undoes it by binary
+// search. A scene may have up to 2^32 - 1 numbers (the last word is kNoHit).
+//
+// What the triangles are. The map of a float vertex has an exact value, and these points are the scene: the judge's truth
+// (validation/oracle/exact.h). triangle() and flattened() round them to floats, once per vertex, so that triangles that share a
+// vertex in their mesh share it in the world.
+//
+// Copies share everything and nothing changes it. Errors name the instance, counted from 1.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "libaccel/core/affine.h"
+#include "libaccel/geometry/triangle_mesh.h"
+
+namespace accel {
+
+struct Instance {
+  std::uint32_t mesh = 0;  // which of the meshes
+  Affine transform;        // from the mesh's space to the world
+};
+
+class InstancedMeshes {
+ public:
+  // Errors: what validate() says about a mesh; an instance of a mesh that there is not; a map that inverse() refuses, or that
+  // takes triangles in range out of it; more triangles than numbers.
+  static Result<InstancedMeshes> make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances);
+
+  std::span<const TriangleMesh> meshes() const { return state_->meshes; }
+  std::span<const Instance> instances() const { return state_->instances; }
+  std::uint32_t first_prim(std::size_t instance) const { return state_->first_prims[instance]; }
+
+  // The number of prim_ids: triangles, once for every instance.
+  std::uint64_t size() const { return state_->size; }
+  // What the meshes and the placements take.
+  std::size_t size_bytes() const;
+
+  // The instance that a prim_id belongs to, and the number of the triangle in its mesh. O(log instances).
+  struct Place {
+    std::uint32_t instance, triangle;
+  };
+  Place place_of(std::uint32_t prim_id) const;
+
+  // A triangle in the world, rounded to floats.
+  Triangle triangle(std::uint32_t prim_id) const;
+
+  // All triangles in the world as one mesh, with the same prim_ids. Made at the first call, and kept. Fails where a mesh cannot
+  // be that large, or the memory does not suffice.
+  Result<TriangleMesh> flattened() const;
+
+ private:
+  struct Flat;
+  struct Parts {
+    std::vector<TriangleMesh> meshes;
+    std::vector<Instance> instances;
+    std::vector<std::uint32_t> first_prims;
+    std::uint64_t size = 0;
+    std::shared_ptr<Flat> flat;
+  };
+  explicit InstancedMeshes(std::shared_ptr<const Parts> state) : state_(std::move(state)) {}
+  std::shared_ptr<const Parts> state_;
+};
+
+// A vertex in the world, rounded to floats.
+inline Vec3 placed(const Affine& transform, Vec3 vertex) { return transform_point(transform, Vec3d(vertex)).to_float(); }
+
+}  // namespace accel
