@@ -1,0 +1,83 @@
+// Two levels of two-box BVHs: a tree over instances, whose leaves lead into the trees over their meshes.
+//
+// Each mesh has one tree in its own space, however often it is placed; a ray that reaches an instance goes on in that space
+// (core/affine.h). The trees lie one behind the other in shared arrays, each with references that count from its own first node
+// and quad, so that every one of them is a Bvh2 as it stands.
+//
+// The tree over instances. It is an ordinary Bvh2 over stand-ins: degenerate triangles from the lower to the upper corner of an
+// instance's world box, with the number of the instance in place of a prim_id. So builders, statistics and annotations know
+// nothing of instances. Its boxes contain the exact world points of the instance, and build/instances.h says by how much more.
+//
+// Invariants, proved by validate() for files: tree 0 is the one over instances, every tree is a valid Bvh2 in its range of the
+// arrays, ranges follow each other without gaps, instances name trees of meshes, their prim_ids are consecutive (see
+// geometry/instanced_meshes.h), and their inverse maps are finite. Which map belongs to which instance, and that boxes contain
+// what they should, is the builder's word.
+#pragma once
+
+#include "libaccel/core/affine.h"
+#include "libaccel/structure/bvh2.h"
+
+namespace accel {
+
+// A tree, as a range of the arrays.
+struct TwoLevelTree : Bvh2Words {
+  std::uint64_t first_node = 0, nodes = 0;
+  std::uint64_t first_quad = 0, quads = 0;
+  std::uint64_t triangles = 0;  // of the mesh; of tree 0: instances
+};
+static_assert(std::is_trivially_copyable_v<TwoLevelTree>);
+
+// An instance, as a traverser needs it: one line of a CPU's cache.
+struct alignas(64) TwoLevelInstance {
+  AffineInverse to_object;
+  std::uint32_t tree;
+  std::uint32_t first_prim;  // prim_ids in the scene are this plus those in the tree
+  std::uint32_t unused[2];   // zero
+};
+static_assert(sizeof(TwoLevelInstance) == 64 && std::is_trivially_copyable_v<TwoLevelInstance>);
+
+struct TwoLevelView {
+  const Bvh2Node* nodes = nullptr;
+  const LeafQuad* leaves = nullptr;
+  const TwoLevelTree* trees = nullptr;  // null: an empty scene
+  const TwoLevelInstance* instances = nullptr;
+
+  ACCEL_HD Bvh2View tree(std::uint32_t i) const {
+    const TwoLevelTree& t = trees[i];
+    return {nodes + t.first_node, leaves + t.first_quad, t.root};
+  }
+};
+
+struct TwoLevelWords {
+  std::uint32_t depth = 0;           // of the deepest tree: a traversal holds one path in each of two
+  std::uint32_t instance_depth = 0;  // of the tree over instances
+};
+
+struct TwoLevelBvh : TwoLevelWords {
+  static constexpr const char* kName = "two-level";
+  using View = TwoLevelView;
+  using Words = TwoLevelWords;
+
+  Buffer<Bvh2Node> nodes;
+  Buffer<LeafQuad> leaves;
+  Buffer<TwoLevelTree> trees;
+  Buffer<TwoLevelInstance> instances;
+
+  template <class Self, class Visit>
+  static void for_each_array(Self& self, Visit&& visit) {
+    visit("nodes", self.nodes);
+    visit("leaves", self.leaves);
+    visit("trees", self.trees);
+    visit("instances", self.instances);
+  }
+  std::size_t size_bytes() const { return bytes_of_arrays(*this); }
+  TwoLevelView view() const { return {nodes.data(), leaves.data(), trees.data(), instances.data()}; }
+
+  // Tree i as a structure of its own that shares the arrays. The tree's range lies in them.
+  Bvh2 tree(std::size_t i) const;
+};
+
+// As validate(const Bvh2&, ...); `triangle_count` is the number of prim_ids of the whole scene.
+Status validate(const TwoLevelBvh& bvh, std::uint64_t triangle_count);
+
+}  // namespace accel

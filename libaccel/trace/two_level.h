@@ -1,0 +1,130 @@
+// Traversal of two levels (structure/two_level.h) by any traverser of one: Binder and Keller 2016, section 2.4, "Pausing and
+// Resuming": the state of the ray is stored, a new one is made for the instance, and on return the old one is resumed.
+//
+// A state is paused by copying it, and the base traverser is the same code on both levels, on another tree and with another
+// ray. What it must offer beyond trace/traverser.h is what speculation needs too: leaf(state), the quad of the leaf that it is
+// in, and kAfterLeaf, what it does when the leaf has ended. A leaf of the tree over instances is walked here.
+//
+// Hits. Inside of an instance the search starts from no hit, in the interval that is left: it names the triangle with the
+// lowest number in the mesh, ties with the hit so far included. accept_hit() then chooses between the two by their prim_ids in
+// the scene, so that ties go to the lowest there too, whatever the order of the instances.
+//
+// Rays. t is the same on both levels (core/affine.h). A ray that is not traceable in an instance's space, because the map takes
+// its origin or direction out of the library's range, passes it by.
+//
+// Why no hit is lost between the levels: see build/instances.h.
+#pragma once
+
+#include "libaccel/structure/two_level.h"
+#include "libaccel/trace/traverser.h"
+
+namespace accel {
+
+namespace detail {
+
+// A stack for each level, where the base traverser has one; nothing, not even a type, where it has none.
+template <class Base>
+struct TwoLevelStack {
+  struct Pointer {};
+};
+template <StackTraverser Base>
+struct TwoLevelStack<Base> {
+  struct Stack {
+    StackOf<Base> levels[2];
+  };
+  struct Pointer {
+    Stack* stack;
+  };
+};
+
+}  // namespace detail
+
+template <template <class, Query> class BaseTraverser, class Test, Query kQuery>
+struct TwoLevel : detail::TwoLevelStack<BaseTraverser<Test, kQuery>> {
+  using Base = BaseTraverser<Test, kQuery>;
+  static constexpr const char* kName = Base::kName;
+  using View = TwoLevelView;
+  static constexpr std::uint32_t kMaxDepth = Base::kMaxDepth;
+
+  struct State : detail::TwoLevelStack<Base>::Pointer {
+    typename Base::State active, paused;
+    Bvh2View tree;             // of the active state
+    Ray ray;                   // in its space
+    Hit outside;               // the best hit when the instance was entered
+    std::uint32_t first_prim;  // of the instance
+    bool is_inside;
+  };
+
+  template <class Observer>
+  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
+    begin_hit(ray, hit);
+    s.is_inside = false;
+    if (view.trees == nullptr) return Phase::done;
+    s.ray = ray;
+    observer.load(Memory::node, view.trees, sizeof(TwoLevelTree));
+    s.tree = view.tree(0);
+    return Base::begin(s.tree, s.ray, active(s), hit, observer);
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase descend(const View&, const Ray&, State& s, Hit& hit, Observer& observer) {
+    return Base::descend(s.tree, s.ray, active(s), hit, observer);
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
+    if (!s.is_inside) return enter_instance(view, ray, s, hit, observer);
+    return or_leave(Base::intersect(s.tree, s.ray, active(s), hit, observer), view, ray, s, hit, observer);
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase backtrack(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
+    return or_leave(Base::backtrack(s.tree, s.ray, active(s), hit, observer), view, ray, s, hit, observer);
+  }
+
+ private:
+  // The state on the level that the ray is on. Its stack is found anew each time: whoever pauses a ray may have moved it.
+  ACCEL_HD static typename Base::State& active(State& s) {
+    if constexpr (StackTraverser<Base>) s.active.stack = &s.stack->levels[s.is_inside ? 1 : 0];
+    return s.active;
+  }
+
+  // Pauses the traversal of the tree over instances in front of what comes after the leaf's next instance, and enters that.
+  template <class Observer>
+  ACCEL_HD static Phase enter_instance(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
+    std::uint32_t& quad = Base::leaf(s.active);
+    observer.load(Memory::node, s.tree.leaves + quad, sizeof(LeafQuad));
+    const TwoLevelInstance& instance = view.instances[s.tree.leaves[quad].word];
+    observer.load(Memory::node, &instance, sizeof instance);
+    quad += kQuadsPerTriangle;
+    s.paused = s.active, s.outside = hit;
+    s.is_inside = true, s.first_prim = instance.first_prim;
+    s.ray = instance.to_object.ray(ray);
+    observer.load(Memory::node, view.trees + instance.tree, sizeof(TwoLevelTree));
+    s.tree = view.tree(instance.tree);
+    Hit whole_interval;  // not the one that is left
+    const Phase phase = Base::begin(s.tree, s.ray, active(s), whole_interval, observer);
+    hit.prim_id = kNoHit;
+    return or_leave(phase, view, ray, s, hit, observer);
+  }
+
+  // The next phase of the active state; where that is done with an instance, resumes the tree over instances.
+  template <class Observer>
+  ACCEL_HD static Phase or_leave(Phase phase, const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
+    if (phase != Phase::done || !s.is_inside) return phase;
+    Hit found = hit;
+    hit = s.outside;
+    if (found.valid()) {
+      found.prim_id += s.first_prim;
+      accept_hit(found, found.t, hit);
+      if (kQuery == Query::any) return Phase::done;
+    }
+    s.active = s.paused, s.is_inside = false;
+    s.ray = ray, s.tree = view.tree(0);
+    const std::uint32_t quad = Base::leaf(s.active);
+    observer.load(Memory::node, s.tree.leaves + quad, sizeof(LeafQuad));
+    return is_end_of_leaf(s.tree.leaves, quad) ? Base::kAfterLeaf : Phase::intersect;
+  }
+};
+
+}  // namespace accel
