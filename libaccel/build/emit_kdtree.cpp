@@ -121,7 +121,10 @@ Result<KdTree> emit_kdtree(BuildContext& context, const KdSubtree& subtree) {
   tbb::parallel_for(std::size_t{0}, layout.placements.size(), [&](std::size_t i) { emit_treelet(layout.placements[i], tree); });
 
   const std::vector<std::uint32_t> prim_ids = number_triangles(context, tree.leaves.references.span());
-  sort_leaves(tree.leaves.references.span());
+  tbb::parallel_for(std::size_t{0}, layout.placements.size(), [&](std::size_t i) {
+    const Placement& place = layout.placements[i];
+    sort_leaves(tree.leaves.references.span().subspan(place.first_reference, place.treelet->references.size()));
+  });
   tree.leaves.triangles = Buffer<PackedTriangle>(prim_ids.size());
   context.memory.add(tree.leaves.triangles.size_bytes());
   for_each_chunk(0, prim_ids.size(), [&](std::size_t, std::size_t begin, std::size_t end) {

@@ -5,33 +5,31 @@
 // one list for each axis; no planar events, for padded triangles are never flat; no events for the ends of references that
 // reach to the cell's border, since no plane is worth trying there.
 //
-// An event is one 64-bit key: position, kind, and the reference's index in the node. Sorted keys are in order of position, ends
-// before starts, and there are no equal ones, so the order of a list is a property of the set.
+// Events are in order of position, ends before starts, then of their references' indices in the node: there are no equal ones,
+// so the order of a list is a property of the set.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
 #include "libaccel/build/references.h"
 
 namespace accel {
 
-using KdEvent = std::uint64_t;
-inline constexpr KdEvent kStartOfReference = 1u << 31;  // else its end
-inline constexpr KdEvent kEventReference = kStartOfReference - 1;
+struct KdEvent {
+  static constexpr std::uint32_t kStart = 1u << 31;  // else the end
+  static constexpr std::uint32_t kReference = kStart - 1;
 
-// Zeros are positive.
-inline KdEvent make_event(float position, KdEvent kind, std::uint32_t reference) {
-  const auto bits = std::bit_cast<std::uint32_t>(position + 0.0f);
-  const std::uint32_t ordered = bits ^ (static_cast<std::uint32_t>(static_cast<std::int32_t>(bits) >> 31) | 0x80000000u);
-  return static_cast<KdEvent>(ordered) << 32 | kind | reference;
-}
-inline float position_of(KdEvent event) {
-  const auto ordered = static_cast<std::uint32_t>(event >> 32);
-  return std::bit_cast<float>(ordered ^ (static_cast<std::uint32_t>(static_cast<std::int32_t>(~ordered) >> 31) | 0x80000000u));
-}
-inline bool is_start(KdEvent event) { return (event & kStartOfReference) != 0; }
-inline std::uint32_t reference_of(KdEvent event) { return static_cast<std::uint32_t>(event & kEventReference); }
+  float position;      // no NaN; zeros are positive
+  std::uint32_t word;  // kind and reference
+
+  bool is_start() const { return (word & kStart) != 0; }
+  std::uint32_t reference() const { return word & kReference; }
+  friend bool operator==(const KdEvent&, const KdEvent&) = default;
+  friend bool operator<(const KdEvent& a, const KdEvent& b) {
+    return a.position < b.position || (a.position == b.position && a.word < b.word);
+  }
+};
+static_assert(sizeof(KdEvent) == 8);
 
 // The sorted events of one axis.
 struct KdEventList {
@@ -39,10 +37,24 @@ struct KdEventList {
   std::uint32_t size = 0;
   std::uint32_t starts = 0;  // of them
 
+  std::uint32_t ends() const { return size - starts; }
+
   // The events of a reference whose padded box reaches from lo to hi, in a cell from cell_lo to cell_hi.
   void append(float lo, float hi, float cell_lo, float cell_hi, std::uint32_t reference) {
-    if (lo > cell_lo) events[size++] = make_event(lo, kStartOfReference, reference), ++starts;
-    if (hi < cell_hi) events[size++] = make_event(hi, 0, reference);
+    if (lo > cell_lo) events[size++] = {lo + 0.0f, reference | KdEvent::kStart}, ++starts;
+    if (hi < cell_hi) events[size++] = {hi + 0.0f, reference};
+  }
+  // The same for a sorted list, which stays sorted: O(size).
+  void insert(float lo, float hi, float cell_lo, float cell_hi, std::uint32_t reference) {
+    if (lo > cell_lo) insert({lo + 0.0f, reference | KdEvent::kStart}), ++starts;
+    if (hi < cell_hi) insert({hi + 0.0f, reference});
+  }
+
+ private:
+  void insert(KdEvent event) {
+    std::uint32_t at = size++;
+    for (; at > 0 && event < events[at - 1]; --at) events[at] = events[at - 1];
+    events[at] = event;
   }
 };
 

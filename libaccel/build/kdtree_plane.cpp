@@ -1,57 +1,79 @@
 #include "libaccel/build/kdtree_plane.h"
 
-#include <tbb/parallel_for.h>
-
 #include "libaccel/build/parallel.h"
 
 namespace accel {
 namespace {
 
-KdPlane sweep_axis(const KdSet& set, int axis, const KdCosts& costs, double most) {
-  const KdEventList& list = set.axis[axis];
-  const double lo = set.cell.lo[axis], hi = set.cell.hi[axis];
-  const int b = axis == 2 ? 0 : axis + 1, c = axis == 0 ? 2 : axis - 1;
-  const double width = static_cast<double>(set.cell.hi[b]) - set.cell.lo[b],
-               height = static_cast<double>(set.cell.hi[c]) - set.cell.lo[c];
-  // The half area of a part of the cell is its length times half the perimeter, plus the area of the plane.
-  const double rim = width + height, section = width * height;
-  const double step = costs.traversal * half_area_in_double(set.cell), test = costs.intersection;
-  const double bonus = 1 - costs.empty_bonus;
+// The sweep along one axis.
+class AxisSweep {
+ public:
+  AxisSweep(const KdSet& set, int axis, const KdCosts& costs, double most)
+      : list_(set.axis[axis]),
+        lo_(set.cell.lo[axis]),
+        hi_(set.cell.hi[axis]),
+        step_(costs.traversal * half_area_in_double(set.cell)),
+        test_(costs.intersection),
+        bonus_(1 - costs.empty_bonus),
+        limit_(static_cast<double>(set.limit)),
+        most_(most),
+        below_(static_cast<double>(set.size - list_.starts)),
+        above_(static_cast<double>(set.size)) {
+    const int b = axis == 2 ? 0 : axis + 1, c = axis == 0 ? 2 : axis - 1;
+    const double width = static_cast<double>(set.cell.hi[b]) - set.cell.lo[b],
+                 height = static_cast<double>(set.cell.hi[c]) - set.cell.lo[c];
+    rim_ = width + height, section_ = width * height;
+    best_.axis = axis;
+  }
 
-  KdPlane best;
-  best.axis = axis;
-  std::uint32_t below = set.size - list.starts, above = set.size;
-  for (std::uint32_t i = 0; i < list.size; ++i) {
-    const KdEvent event = list.events[i];
-    const float position = position_of(event);
-    // Of several events at one position the last end and the first start see the true counts, the others see more. A plane has
-    // what starts there above it, and what ends there below it.
-    const std::uint32_t start = is_start(event) ? 1 : 0;
-    above -= 1 - start;
-    const double lower = (position - lo) * rim + section, upper = (hi - position) * rim + section;
-    double cost = step + test * (lower * below + upper * above);
-    cost = below == 0 || above == 0 ? cost * bonus : cost;
-    if (cost < most) {
-      if (std::uint64_t{below} + above <= set.limit) {
-        most = best.cost = cost, best.position = position;
+  // A side may be empty at the first event, if nothing is below it, and at the last one, if nothing is above. Between them no
+  // event needs to ask.
+  KdPlane run() {
+    if (list_.size == 0) return best_;
+    const bool first_may_be_empty = below_ == 0, last_may_be_empty = list_.ends() == above_;
+    const std::uint32_t last = list_.size - 1;
+    std::uint32_t i = 0;
+    if (first_may_be_empty) visit<true>(list_.events[i++]);
+    for (; i < last; ++i) visit<false>(list_.events[i]);
+    if (i == last) last_may_be_empty ? visit<true>(list_.events[i]) : visit<false>(list_.events[i]);
+    return best_;
+  }
+
+ private:
+  // Of several events at one position the last end and the first start see the true counts, the others see more. A plane has
+  // what starts there above it, and what ends there below it.
+  template <bool kMayBeEmpty>
+  void visit(const KdEvent& event) {
+    constexpr double kStarts[] = {0, 1}, kEnds[] = {1, 0};
+    const std::uint32_t is_start = event.word >> 31;
+    const double position = event.position;
+    above_ -= kEnds[is_start];
+    // The half area of a part of the cell is its length times half the perimeter, plus the area of the plane.
+    const double lower = (position - lo_) * rim_ + section_, upper = (hi_ - position) * rim_ + section_;
+    double cost = step_ + test_ * (lower * below_ + upper * above_);
+    if (kMayBeEmpty && (below_ == 0 || above_ == 0)) cost *= bonus_;
+    if (cost < most_) {
+      if (below_ + above_ <= limit_) {
+        most_ = best_.cost = cost, best_.position = event.position;
       } else {
-        best.is_limited = true;
+        best_.is_limited = true;
       }
     }
-    below += start;
+    below_ += kStarts[is_start];
   }
-  return best;
-}
+
+  const KdEventList& list_;
+  const double lo_, hi_, step_, test_, bonus_, limit_;
+  double rim_, section_;  // half the perimeter and the area of a plane's part in the cell
+  double most_, below_, above_;
+  KdPlane best_;
+};
 
 }  // namespace
 
 KdPlane cheapest_plane(const KdSet& set, const KdCosts& costs, double most) {
   KdPlane planes[3];
-  if (set.size < kParallelSize) {
-    for (int a = 0; a < 3; ++a) planes[a] = sweep_axis(set, a, costs, most);
-  } else {
-    tbb::parallel_for(0, 3, [&](int a) { planes[a] = sweep_axis(set, a, costs, most); });
-  }
+  for_each_axis(set.size, [&](int a) { planes[a] = AxisSweep(set, a, costs, most).run(); });
   KdPlane best = planes[0];
   for (int a = 1; a < 3; ++a)
     if (planes[a].cost < best.cost) best = planes[a];

@@ -7,9 +7,9 @@
 //
 // Deviations: one list of events an axis, and no planar events, since padded triangles are never flat; references are bounded.
 //
-// Costs. With kdtree/stack, rays take much the same time for traversal costs from 0.7 to 1.5 triangle tests and for bonuses from
-// 0 to 0.2 (Sponza, BART Kitchen, Conference), so the defaults lie in between; the paper's bonus is 0.2. The 8 to 1 of Foley and
-// Sugerman 2005 makes a tenth of the nodes, and rays take up to 1.4 times as long.
+// Costs. With kdtree/stack, rays take much the same time for traversal costs from 0.7 to 1.5 triangle tests and for bonuses
+// from 0 to 0.2 (Sponza, BART Kitchen, Conference), so the defaults lie in between; the paper's bonus is 0.2. The 8 to 1 of
+// Foley and Sugerman 2005 makes a tenth of the nodes, and rays take up to 1.4 times as long.
 //
 // Invariants: a triangle is in every leaf within pad of it; depth <= 8 + 1.3 log2 n (section 3.3), max_depth and kKdStackSize;
 // references <= max_references a triangle. The same bytes for any number of threads. O(n log n) for the n references that there

@@ -1,22 +1,21 @@
 #include "libaccel/build/kdtree_split.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
+#include "libaccel/build/kdtree_sort.h"
 #include "libaccel/build/parallel.h"
-#include "libaccel/geometry/clip_triangle.h"
 
 namespace accel {
 namespace {
 
-// Where a reference goes: to one child, with its index there, or to both.
-enum Side : std::uint32_t { kLower = 0, kUpper = 1, kBoth = 2 };
+// Where a reference goes: to one child, with its index there, or cut to both.
+enum Side : std::uint32_t { kLower = 0, kUpper = 1, kCut = 2 };
 constexpr std::uint32_t kSideShift = 30, kIndexMask = (1u << kSideShift) - 1;
 
-constexpr std::uint32_t kNowhere = 0xffffffffu;
+constexpr std::uint32_t kNowhere = KdClipper::kNowhere;
+
+// Sets up to this size get new events one by one: moving few events is less work than merging.
+constexpr std::uint32_t kInsertionSize = 64;
 
 // References of a chunk; after prefix sums, those of the chunks before.
 struct ChunkCounts {
@@ -42,43 +41,23 @@ ChunkCounts exclusive_sums(ChunkCounts* counts, std::size_t n) {
 void allocate_child(KdSet& child, std::uint32_t size, ScratchStack& memory) {
   child.size = size;
   child.references = memory.allocate<Reference>(size);
-  // One more than there can be: filters write before they know whether an event counts.
-  for (KdEventList& list : child.axis) list.events = memory.allocate<KdEvent>(2 * std::size_t{size} + 1);
+  for (KdEventList& list : child.axis) list.events = memory.allocate<KdEvent>(2 * std::size_t{size});
 }
 
-// Appends those of the events [first, last) that belong to references of one child to the lists of that child. Without
-// branches: each event is written to both lists, and one of them keeps it.
-void filter_events(const KdEvent* first, const KdEvent* last, const std::uint32_t* fates, KdEventList& lower,
-                   KdEventList& upper) {
+// Appends each of the events [first, last) to the list of the side that its reference goes to.
+void filter_events(const KdEvent* first, const KdEvent* last, const std::uint32_t* fates, KdEventList (&sides)[3]) {
+  KdEvent* to[3];
+  std::uint32_t starts[3] = {0, 0, 0};
+  for (int side = 0; side < 3; ++side) to[side] = sides[side].events + sides[side].size;
   for (; first != last; ++first) {
     const KdEvent event = *first;
-    const std::uint32_t fate = fates[reference_of(event)], side = fate >> kSideShift, start = is_start(event) ? 1 : 0;
-    const KdEvent moved = (event & ~kEventReference) | (fate & kIndexMask);
-    lower.events[lower.size] = moved, upper.events[upper.size] = moved;
-    const std::uint32_t is_lower = side == kLower ? 1 : 0, is_upper = side == kUpper ? 1 : 0;
-    lower.size += is_lower, lower.starts += is_lower & start;
-    upper.size += is_upper, upper.starts += is_upper & start;
+    const std::uint32_t fate = fates[event.reference()], side = fate >> kSideShift;
+    *to[side]++ = {event.position, (event.word & KdEvent::kStart) | (fate & kIndexMask)};
+    starts[side] += event.word >> 31;
   }
-}
-
-void sort_events(KdEvent* first, std::size_t count) {
-  if (count < kParallelSize) {
-    std::sort(first, first + count);
-  } else {
-    tbb::parallel_sort(first, first + count);
-  }
-}
-
-// Merges sorted events into the list, which has room for them: from the back, so that they find their places.
-void merge_events(KdEventList& list, const KdEventList& added) {
-  std::uint32_t from = list.size, next = added.size, to = list.size + added.size;
-  list.size = to, list.starts += added.starts;
-  while (next > 0) {
-    if (from > 0 && list.events[from - 1] > added.events[next - 1]) {
-      list.events[--to] = list.events[--from];
-    } else {
-      list.events[--to] = added.events[--next];
-    }
+  for (int side = 0; side < 3; ++side) {
+    sides[side].size = static_cast<std::uint32_t>(to[side] - sides[side].events);
+    sides[side].starts += starts[side];
   }
 }
 
@@ -89,15 +68,6 @@ void share_limit(const KdSet& set, KdSet (&children)[2]) {
   const auto spare = static_cast<double>(set.limit - lower - upper);
   children[0].limit = lower + static_cast<std::uint64_t>(spare * static_cast<double>(lower) / static_cast<double>(both));
   children[1].limit = set.limit - children[0].limit;
-}
-
-template <class Body>
-void for_each_axis(std::size_t size, const Body& body) {
-  if (size < kParallelSize) {
-    for (int a = 0; a < 3; ++a) body(a);
-  } else {
-    tbb::parallel_for(0, 3, body);
-  }
 }
 
 }  // namespace
@@ -117,30 +87,21 @@ struct KdSplitter::Work {
   std::uint32_t straddler_count = 0;
 };
 
-KdSplitter::KdSplitter(const TriangleMesh& mesh, const Aabb& scene) : mesh_(mesh), scene_(scene) {
-  double magnitude = 0;
-  for (int a = 0; a < 3; ++a)
-    magnitude = std::max({magnitude, std::abs(static_cast<double>(scene.lo[a])), std::abs(static_cast<double>(scene.hi[a]))});
-  const Vec3d pad = cell_padding(scene);
-  const double slack = 128 * 0x1p-53 * magnitude;
-  reach_[0] = pad.x + slack, reach_[1] = pad.y + slack, reach_[2] = pad.z + slack;
-}
-
 KdSet KdSplitter::root_set(const Reference* references, std::size_t count, ScratchStack& memory) const {
-  const Vec3d reach{reach_[0], reach_[1], reach_[2]};
   KdSet set;
-  set.cell = padded(scene_, reach);
+  set.cell = clipper_.whole(scene_);
   allocate_child(set, static_cast<std::uint32_t>(count), memory);
   for_each_chunk(0, count, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       set.references[i] = references[i];
-      set.references[i].set_bounds(padded(references[i].bounds(), reach));
+      set.references[i].set_bounds(clipper_.whole(references[i].bounds()));
     }
   });
   for_each_axis(count, [&](int a) {
     for (std::uint32_t i = 0; i < set.size; ++i)
       set.axis[a].append(set.references[i].lo[a], set.references[i].hi[a], set.cell.lo[a], set.cell.hi[a], i);
-    sort_events(set.axis[a].events, set.axis[a].size);
+    ScratchStack scratch(memory.meter());
+    sort_events(set.axis[a].events, set.axis[a].size, scratch);
   });
   return set;
 }
@@ -161,14 +122,10 @@ std::size_t KdSplitter::split(const KdSet& set, const KdPlane& plane, ScratchSta
   allocate_child(children[1], sum.upper, upper_memory);
   share_limit(set, children);
   distribute(work);
-  if (set.size < kParallelSize) {
-    for (int a = 0; a < 3; ++a) distribute_events(work, a, scratch);
-  } else {
-    tbb::parallel_for(0, 3, [&](int a) {
-      ScratchStack own(scratch.meter());
-      distribute_events(work, a, own);
-    });
-  }
+  for_each_axis(set.size, [&](int a) {
+    ScratchStack own(scratch.meter());  // for this axis' thread; allocates nothing by itself
+    distribute_events(work, a, set.size < kParallelSize ? scratch : own);
+  });
   scratch.release(mark);
   return set.size + work.straddler_count - children[0].size - children[1].size;
 }
@@ -182,7 +139,7 @@ void KdSplitter::classify(Work& work) const {
     for (std::size_t i = begin; i < end; ++i) {
       const Reference& r = work.set.references[i];
       const bool above = r.hi[axis] > position, both = above && r.lo[axis] < position;
-      work.fates[i] = (both ? kBoth : above ? kUpper : kLower) << kSideShift;
+      work.fates[i] = (both ? kCut : above ? kUpper : kLower) << kSideShift;
       counts.straddlers += both, counts.lower += !above, counts.upper += above && !both;
     }
     work.chunks[chunk] = counts;
@@ -203,36 +160,12 @@ void KdSplitter::clip(Work& work) const {
     Straddler* straddler = work.straddlers + counts.straddlers;
     counts.straddlers = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      if (work.fates[i] >> kSideShift != kBoth) continue;
-      clip_straddler(work, static_cast<std::uint32_t>(i), *straddler);
+      if (work.fates[i] >> kSideShift != kCut) continue;
+      clipper_.cut(work.set.references[i].prim_id, work.set.cell, work.plane, straddler->part);
       counts.lower += straddler->part[0].side != kNowhere, counts.upper += straddler->part[1].side != kNowhere;
       ++straddler, ++counts.straddlers;
     }
   });
-}
-
-void KdSplitter::clip_straddler(const Work& work, std::uint32_t reference, Straddler& straddler) const {
-  const Reference& whole = work.set.references[reference];
-  const Aabb& cell = work.set.cell;
-  ClippedPolygon polygon(mesh_.triangle(whole.prim_id));
-  for (int a = 0; a < 3; ++a) {
-    polygon.clip(a, cell.lo[a] - reach_[a], 1);
-    polygon.clip(a, cell.hi[a] + reach_[a], -1);
-  }
-  for (int c = 0; c < 2; ++c) {
-    ClippedPolygon part = polygon;
-    const double sign = c == 0 ? -1 : 1;
-    part.clip(work.plane.axis, work.plane.position - sign * reach_[work.plane.axis], sign);
-
-    const Aabb& child = work.children[c].cell;
-    Reference& result = straddler.part[c];
-    result.prim_id = whole.prim_id, result.side = part.empty() ? kNowhere : 0;
-    for (int a = 0; a < 3; ++a) {
-      const ClippedPolygon::Range range = part.range(a);
-      result.lo[a] = round_down(range.lo - reach_[a]), result.hi[a] = round_up(range.hi + reach_[a]);
-      if (!(result.lo[a] < child.hi[a]) || !(result.hi[a] > child.lo[a])) result.side = kNowhere;
-    }
-  }
 }
 
 // Writes the children's references, in the order of the set's, and where each went.
@@ -246,7 +179,7 @@ void KdSplitter::distribute(Work& work) const {
     };
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t side = work.fates[i] >> kSideShift;
-      if (side != kBoth) {
+      if (side != kCut) {
         work.fates[i] |= put(static_cast<int>(side), work.set.references[i]);
         continue;
       }
@@ -261,29 +194,46 @@ void KdSplitter::distribute(Work& work) const {
 
 void KdSplitter::distribute_events(Work& work, int axis, ScratchStack& scratch) const {
   const KdEventList& list = work.set.axis[axis];
-  const KdEvent *first = list.events, *last = first + list.size, *plane_first = last, *plane_last = last;
+  const ScratchStack::Mark mark = scratch.mark();
+  // What goes to no side as it is ends in a list that nobody reads.
+  KdEventList sides[3];
+  for (int c = 0; c < 2; ++c) sides[c] = work.children[c].axis[axis];
+  sides[kCut].events = scratch.allocate<KdEvent>(2 * std::size_t{work.straddler_count});
+  const KdEvent *first = list.events, *last = first + list.size;
   if (axis == work.plane.axis) {
     // Events in the plane lie at the border of both cells.
-    plane_first = std::lower_bound(first, last, make_event(work.plane.position, 0, 0));
-    plane_last = std::upper_bound(
-        plane_first, last, make_event(work.plane.position, kStartOfReference, static_cast<std::uint32_t>(kEventReference)));
+    const KdEvent* const plane_first = std::lower_bound(first, last, KdEvent{work.plane.position, 0});
+    filter_events(first, plane_first, work.fates, sides);
+    first = std::upper_bound(plane_first, last, KdEvent{work.plane.position, ~0u});
   }
-  KdEventList& lower = work.children[0].axis[axis];
-  KdEventList& upper = work.children[1].axis[axis];
-  filter_events(first, plane_first, work.fates, lower, upper);
-  filter_events(plane_last, last, work.fates, lower, upper);
+  filter_events(first, last, work.fates, sides);
+  for (int c = 0; c < 2; ++c) work.children[c].axis[axis] = sides[c];
+  scratch.release(mark);
+  if (work.straddler_count > 0) add_cut_events(work, axis, scratch);
+}
 
+// The events of references that were cut.
+void KdSplitter::add_cut_events(const Work& work, int axis, ScratchStack& scratch) const {
+  const bool few = work.set.size <= kInsertionSize;
   for (int c = 0; c < 2; ++c) {
     const ScratchStack::Mark mark = scratch.mark();
     const Aabb& cell = work.children[c].cell;
+    KdEventList& list = work.children[c].axis[axis];
     KdEventList added;
-    added.events = scratch.allocate<KdEvent>(2 * std::size_t{work.straddler_count});
+    if (!few) added.events = scratch.allocate<KdEvent>(2 * std::size_t{work.straddler_count});
     for (std::uint32_t i = 0; i < work.straddler_count; ++i) {
       const Reference& part = work.straddlers[i].part[c];
-      if (part.side != kNowhere) added.append(part.lo[axis], part.hi[axis], cell.lo[axis], cell.hi[axis], part.side);
+      if (part.side == kNowhere) continue;
+      if (few) {
+        list.insert(part.lo[axis], part.hi[axis], cell.lo[axis], cell.hi[axis], part.side);
+      } else {
+        added.append(part.lo[axis], part.hi[axis], cell.lo[axis], cell.hi[axis], part.side);
+      }
     }
-    sort_events(added.events, added.size);
-    merge_events(c == 0 ? lower : upper, added);
+    if (!few) {
+      sort_events(added.events, added.size, scratch);
+      merge_events(list, added);
+    }
     scratch.release(mark);
   }
 }

@@ -1,31 +1,23 @@
 // Splits the set of a kd-tree node at a plane: clipped ("perfect") splits that keep the event lists sorted.
 //
 // Wald and Havran 2006, sections 4.3 ("splicing and merging" in O(n)) and 5.3 (clipping to the cell): the events of references
-// that stay on one side keep their order; references that the plane cuts are clipped to both cells, and their new events are
-// sorted and merged. Clipping starts from the triangle each time, so that boxes are as tight as those of the exact part in the
-// cell; a part that vanishes is dropped.
-//
-// Padding. A reference's box is that of the part of the triangle in the cell grown by `reach`, itself grown by `reach` and
-// rounded outward, where reach is the pad of structure/padding.h and a slack for what is rounded before: a vertex of a clipped
-// polygon (geometry/clip_triangle.h) by 8 u max|coordinate| for each of at most 7 cuts (u = 2^-53), and these sums by 2 u of
-// about that. So a cell that is no farther than pad from a triangle meets the inside of its box: a triangle belongs into a cell
-// unless box.lo >= cell.hi or box.hi <= cell.lo.
+// that stay on one side keep their order; references that the plane cuts are clipped to both cells (kdtree_clip.h), and their
+// new events are sorted and merged. A part that vanishes is dropped.
 //
 // Deterministic: children depend on the set and the plane alone. O(n + k log k) for k cut references.
 #pragma once
 
+#include "libaccel/build/kdtree_clip.h"
 #include "libaccel/build/kdtree_events.h"
 #include "libaccel/build/kdtree_plane.h"
 #include "libaccel/build/scratch_stack.h"
-#include "libaccel/geometry/triangle_mesh.h"
-#include "libaccel/structure/padding.h"
 
 namespace accel {
 
 class KdSplitter {
  public:
   // For references to triangles in `scene`, which is not empty.
-  KdSplitter(const TriangleMesh& mesh, const Aabb& scene);
+  KdSplitter(const TriangleMesh& mesh, const Aabb& scene) : scene_(scene), clipper_(mesh, scene) {}
 
   // The set of all references, with a cell that contains them all; it lies in `memory`. The limit and the levels are the
   // caller's to set.
@@ -45,11 +37,10 @@ class KdSplitter {
   void clip(Work& work) const;
   void distribute(Work& work) const;
   void distribute_events(Work& work, int axis, ScratchStack& scratch) const;
-  void clip_straddler(const Work& work, std::uint32_t reference, Straddler& straddler) const;
+  void add_cut_events(const Work& work, int axis, ScratchStack& scratch) const;
 
-  const TriangleMesh& mesh_;
   const Aabb scene_;
-  double reach_[3];
+  const KdClipper clipper_;
 };
 
 }  // namespace accel

@@ -35,6 +35,16 @@ void for_chunks(std::size_t begin, std::size_t end, const Body& body) {
   }
 }
 
+// Calls body(axis) for the three axes, concurrently if there is enough to do for `size` elements.
+template <class Body>
+void for_each_axis(std::size_t size, const Body& body) {
+  if (size < kParallelSize) {
+    for (int axis = 0; axis < 3; ++axis) body(axis);
+  } else {
+    tbb::parallel_for(0, 3, body);
+  }
+}
+
 // The sum, by operator +=, of body(begin, end) over the chunks of [begin, end), or of the whole where it is small.
 template <class Value, class Body>
 Value reduce_chunks(std::size_t begin, std::size_t end, const Body& body) {

@@ -92,29 +92,38 @@ inline TriangleParts split_bounds(const Triangle& triangle, const Box4& box, int
 // point of the exact part that lies deeper than that inside of all planes is as near to the polygon, times the number of cuts.
 class ClippedPolygon {
  public:
+  struct Point {
+    double at[3];
+  };
+  // The bounds of some points; inverted where there are none.
+  struct Bounds {
+    double lo[3] = {kInfinity, kInfinity, kInfinity}, hi[3] = {-kInfinity, -kInfinity, -kInfinity};
+
+    bool empty() const { return !(lo[0] <= hi[0]); }
+    void extend(const Point& point);
+  };
+
   explicit ClippedPolygon(const Triangle& t);
 
-  // Cuts away what lies outside of the closed box.
+  // Cuts away what lies outside of the closed box, or not between two planes.
   void clip(const Aabb& box);
-  // Keeps the side on which sign * (coordinate - position) >= 0; sign is 1 or -1.
-  void clip(int axis, double position, double sign);
+  void clip(int axis, double lo, double hi);
+  // The bounds of what would be left on the side on which sign * (coordinate - position) >= 0; sign is 1 or -1.
+  Bounds bounds_of_side(int axis, double position, double sign) const;
 
   // 0 for a polygon that has vanished.
   double area() const;
   bool is_inside(const Aabb& box) const;
   bool empty() const { return size_ == 0; }
-  // The range of a coordinate; inverted when the polygon has vanished.
-  struct Range {
-    double lo, hi;
-  };
-  Range range(int axis) const;
 
  private:
-  struct Point {
-    double at[3];
-  };
-
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr int kMaxPoints = 10;  // each of seven planes adds one point at most
+
+  void keep_side(int axis, double position, double sign);
+  // Where an edge meets a plane, from the heights of its ends above it, one of which is negative.
+  static Point crossing(const Point& p, const Point& q, double p_height, double q_height, int axis, double position);
+
   Point points_[kMaxPoints];
   int size_ = 3;
 };

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
+
+#include "libaccel/build/kdtree_sort.h"
 
 #include "validation/unit/build/test_meshes.h"
 
@@ -13,16 +16,59 @@ namespace {
 
 constexpr KdCosts kCosts{1.0, 1.5, 0.2};
 
-TEST(KdEvents, KeysAreInTheOrderOfPositions) {
-  const float positions[] = {-3e38f, -1.0f, -1e-45f, 0.0f, 1e-45f, 1.0f, 1.5f, 3e38f};
-  for (const float a : positions) {
-    EXPECT_EQ(position_of(make_event(a, 0, 7)), a);
-    EXPECT_EQ(position_of(make_event(a, kStartOfReference, 7)), a);
-    for (const float b : positions) {
-      EXPECT_EQ(make_event(a, kStartOfReference, 1) < make_event(b, 0, 0), a < b);
+TEST(KdEvents, OrderIsPositionThenEndsBeforeStartsThenReferences) {
+  const KdEvent ordered[] = {{-1.0f, 5},  {-1.0f, KdEvent::kStart | 3}, {0.0f, 1}, {0.0f, 2}, {0.0f, KdEvent::kStart},
+                             {1e-45f, 0}, {3e38f, KdEvent::kStart}};
+  for (std::size_t i = 0; i < std::size(ordered); ++i)
+    for (std::size_t j = 0; j < std::size(ordered); ++j) EXPECT_EQ(ordered[i] < ordered[j], i < j);
+
+  KdEvent events[2];
+  KdEventList list{events};
+  list.append(-0.0f, -0.0f, -1.0f, 1.0f, 7);
+  EXPECT_FALSE(std::signbit(events[0].position) || std::signbit(events[1].position));
+  EXPECT_TRUE(events[0].is_start() && !events[1].is_start());
+  EXPECT_EQ(events[0].reference(), 7u);
+}
+
+// Few events are compared, many go by digits.
+TEST(KdEvents, SortedByDigitsAsByComparison) {
+  for (const std::uint32_t count : {0u, 1u, 50u, 2047u, 2048u, 30000u}) {
+    std::vector<KdEvent> events;
+    for (std::uint32_t i = 0; events.size() < count; ++i) {
+      CounterRng rng(5, i);
+      // Both signs, many exponents, and many equal positions.
+      const float position = std::ldexp(rng.next_float(-1, 1), static_cast<int>(rng.next_below(200)) - 100);
+      const float coarse = std::floor(rng.next_float(-9, 9));
+      events.push_back({(i % 2 == 0 ? position : coarse) + 0.0f, i | KdEvent::kStart});
+      if (events.size() < count) events.push_back({coarse + 0.0f, i});
     }
+    std::vector<KdEvent> expected = events;
+    std::sort(expected.begin(), expected.end());
+    MemoryMeter meter;
+    ScratchStack scratch(meter);
+    sort_events(events.data(), count, scratch);
+    EXPECT_EQ(events, expected);
   }
-  EXPECT_EQ(make_event(-0.0f, 0, 0), make_event(0.0f, 0, 0));
+}
+
+TEST(KdEvents, InsertAndMergeKeepListsSorted) {
+  constexpr std::uint32_t kCount = 100;
+  std::vector<KdEvent> all(2 * kCount), one_by_one(2 * kCount), old(4 * kCount), added(2 * kCount);
+  KdEventList expected{all.data()}, inserted{one_by_one.data()}, merged{old.data()}, rest{added.data()};
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    CounterRng rng(6, i);
+    const float lo = std::floor(rng.next_float(0, 9)), hi = lo + 1 + std::floor(rng.next_float(0, 5));
+    expected.append(lo, hi, 0, 9, i);
+    inserted.insert(lo, hi, 0, 9, i);
+    (i % 3 == 0 ? rest : merged).append(lo, hi, 0, 9, i);
+  }
+  for (const KdEventList& list : {expected, merged, rest}) std::sort(list.events, list.events + list.size);
+  merge_events(merged, rest);
+  for (const KdEventList& list : {inserted, merged}) {
+    ASSERT_EQ(list.size, expected.size);
+    EXPECT_EQ(list.starts, expected.starts);
+    EXPECT_TRUE(std::equal(list.events, list.events + list.size, expected.events));
+  }
 }
 
 // The references and the events of a node, checked against each other and against the cheapest plane found the slow way; then

@@ -124,5 +124,27 @@ TEST(ClippedPolygon, PartsOfAGridAddUp) {
   }
 }
 
+// bounds_of_side() says what cutting there would leave, to the bit.
+TEST(ClippedPolygon, BoundsOfASideAreThoseOfTheCutPolygon) {
+  const auto whole = [](const ClippedPolygon& polygon) { return polygon.bounds_of_side(0, -100, 1); };
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    CounterRng rng(4, i);
+    ClippedPolygon polygon({test::random_point(rng), test::random_point(rng), test::random_point(rng)});
+    polygon.clip(2, rng.next_float(-1, 0), rng.next_float(0, 1));
+    const int axis = static_cast<int>(rng.next_below(3));
+    const double position = rng.next_float(-1, 1);
+    ClippedPolygon lower = polygon, upper = polygon;
+    lower.clip(axis, -100, position), upper.clip(axis, position, 100);
+    const ClippedPolygon::Bounds expected[] = {whole(lower), whole(upper)};
+    const ClippedPolygon::Bounds found[] = {polygon.bounds_of_side(axis, position, -1),
+                                            polygon.bounds_of_side(axis, position, 1)};
+    for (int c = 0; c < 2; ++c)
+      for (int a = 0; a < 3; ++a) {
+        EXPECT_EQ(found[c].lo[a], expected[c].lo[a]);
+        EXPECT_EQ(found[c].hi[a], expected[c].hi[a]);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace accel
