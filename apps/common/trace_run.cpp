@@ -190,7 +190,7 @@ class TraceRun {
     const RayBatch& batch = traced.batch;
     if (settings_.profile_simt) {
       bar_.begin("simulating warps of " + traced.engine.name);
-      const auto simulated = accel.profile_simt(batch.rays(), batch.query, {settings_.schedule}, trace_options());
+      const auto simulated = accel.profile_simt(batch.rays(), batch.query, {}, {settings_.schedule}, trace_options());
       if (!simulated) return simulated.error();
       row.simt = *simulated;
     }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <type_traits>
 
 namespace accel {
 
@@ -18,6 +19,32 @@ constexpr const char* kernel_name(MultipassKernel kernel) {
   constexpr const char* kNames[kMultipassKernels + 1] = {"initialize", "down", "leaf",    "intersect",
                                                          "continue",   "up",   "finished"};
   return kNames[static_cast<int>(kernel)];
+}
+
+template <MultipassKernel kKernel>
+using MultipassKernelConstant = std::integral_constant<MultipassKernel, kKernel>;
+
+// Calls visit(MultipassKernelConstant<kernel>()): code that is compiled for each kernel, chosen at run time. `finished` is
+// none.
+template <class Visit>
+void visit_kernel(MultipassKernel kernel, const Visit& visit) {
+  using Kernel = MultipassKernel;
+  switch (kernel) {
+    case Kernel::initialize:
+      return visit(MultipassKernelConstant<Kernel::initialize>());
+    case Kernel::down:
+      return visit(MultipassKernelConstant<Kernel::down>());
+    case Kernel::leaf:
+      return visit(MultipassKernelConstant<Kernel::leaf>());
+    case Kernel::intersect:
+      return visit(MultipassKernelConstant<Kernel::intersect>());
+    case Kernel::continue_search:
+      return visit(MultipassKernelConstant<Kernel::continue_search>());
+    case Kernel::up:
+      return visit(MultipassKernelConstant<Kernel::up>());
+    case Kernel::finished:
+      return;
+  }
 }
 
 // Which kernel runs next.

@@ -134,11 +134,13 @@ Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::sp
   return state_->entry->tests[*test].count(state_->structure, rays, query, values, options.threads, counter);
 }
 
-Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query query, const SimtOptions& simt,
+Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query query, std::span<Hit> hits, const SimtOptions& simt,
                                            const TraceOptions& options) const {
   const auto test = find_test(options.test);
   if (!test) return test.error();
-  return state_->entry->tests[*test].simt(state_->structure, rays, query, simt, options.threads);
+  if (!hits.empty())
+    if (Status s = same_size(rays, hits); !s) return s.error();
+  return state_->entry->tests[*test].simt(state_->structure, rays, query, hits, simt, options.threads);
 }
 
 Result<MultipassProfile> AnyAccel::trace_multipass(std::span<const Ray> rays, Query query, std::span<Hit> hits,

@@ -75,12 +75,12 @@ class AnyAccel {
   Result<Counters> count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values = {},
                          const TraceOptions& options = {}, RayCounter counter = RayCounter::steps) const;
 
-  // What the rays would cost on a machine with 32-wide warps: see exec/simt.h.
-  Result<SimtProfile> profile_simt(std::span<const Ray> rays, Query query, const SimtOptions& simt = {},
-                                   const TraceOptions& options = {}) const;
+  // What the rays would cost on a machine with 32-wide warps: see exec/simt.h. hits[i] answers rays[i], as closest() does, and
+  // tells no more than valid() or not for any-hit queries; an empty span if the profile is all that is wanted.
+  Result<SimtProfile> profile_simt(std::span<const Ray> rays, Query query, std::span<Hit> hits = {},
+                                   const SimtOptions& simt = {}, const TraceOptions& options = {}) const;
 
-  // The same rays as streams through small kernels: see exec/multipass.h. hits[i] answers rays[i], as closest() does, and tells
-  // no more than valid() or not for any-hit queries; an empty span if the profile is all that is wanted.
+  // The same rays as streams through small kernels: see exec/multipass.h. The hits are as those of profile_simt().
   Result<MultipassProfile> trace_multipass(std::span<const Ray> rays, Query query, std::span<Hit> hits = {},
                                            const MultipassOptions& multipass = {}, const TraceOptions& options = {}) const;
 

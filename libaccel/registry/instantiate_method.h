@@ -47,9 +47,10 @@ TestEntry make_test_entry() {
     return query == Query::closest ? count_rays<Closest>(view_of<Method>(s), rays, values, threads, counter)
                                    : count_rays<Any>(view_of<Method>(s), rays, values, threads, counter);
   };
-  entry.simt = [](const AnyStructure& s, std::span<const Ray> rays, Query query, const SimtOptions& options, int threads) {
-    return query == Query::closest ? simulate_simt<Closest>(view_of<Method>(s), rays, {}, options, threads)
-                                   : simulate_simt<Any>(view_of<Method>(s), rays, {}, options, threads);
+  entry.simt = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
+                  const SimtOptions& options, int threads) {
+    return query == Query::closest ? simulate_simt<Closest>(view_of<Method>(s), rays, hits, options, threads)
+                                   : simulate_simt<Any>(view_of<Method>(s), rays, hits, options, threads);
   };
   entry.multipass = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
                        const MultipassOptions& options, int threads) {

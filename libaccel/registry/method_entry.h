@@ -21,7 +21,7 @@ struct TestEntry {
   Hit (*closest_one)(const AnyStructure&, const Ray&);
   bool (*occluded_one)(const AnyStructure&, const Ray&);
   Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t>, int threads, RayCounter);
-  SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, const SimtOptions&, int threads);
+  SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const SimtOptions&, int threads);
   MultipassProfile (*multipass)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const MultipassOptions&,
                                 int threads);
 };

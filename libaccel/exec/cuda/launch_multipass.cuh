@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "libaccel/exec/cuda/multipass_kernel.cuh"
 #include "libaccel/exec/cuda/multipass_memory.cuh"
@@ -19,14 +18,11 @@ template <class Traverser, class Finish>
 class MultipassRun {
  public:
   MultipassRun(const typename Traverser::View& view, MultipassMemory& memory, const Ray* rays, Hit* hits, const Finish& finish)
-      : view_(view), finish_(finish) {
-    streams_ = {rays, hits, reinterpret_cast<typename Traverser::State*>(memory.states.data()),
-                reinterpret_cast<StackOf<Traverser>*>(memory.stacks.data()), memory.phases.data()};
-    std::uint32_t* list = memory.lists.data();
-    for (std::uint32_t*& rays_of : lists_.rays) rays_of = std::exchange(list, list + memory.capacity);
-    spare_ = list;
-    lists_.sizes = memory.sizes.data();
-  }
+      : view_(view),
+        finish_(finish),
+        streams_{rays, hits, reinterpret_cast<typename Traverser::State*>(memory.states.data()),
+                 reinterpret_cast<StackOf<Traverser>*>(memory.stacks.data()), memory.phases.data()},
+        lists_(memory.lists.data(), memory.capacity, memory.sizes.data()) {}
 
   Status run(MultipassRule rule, std::uint32_t count) {
     ACCEL_CUDA_TRY(cudaMemset(lists_.sizes, 0, kMultipassKernels * sizeof(std::uint32_t)));
@@ -34,13 +30,10 @@ class MultipassRun {
   }
 
  private:
-  // Rays that stay go to the spare list, which then becomes the kernel's.
   Status pass(MultipassKernel kernel, MultipassCounts& waiting) {
-    const auto k = static_cast<std::size_t>(kernel);
-    const std::uint32_t* list = kernel == MultipassKernel::initialize ? nullptr : lists_.rays[k];
-    std::swap(lists_.rays[k], spare_);
-    ACCEL_CUDA_TRY(cudaMemsetAsync(lists_.sizes + k, 0, sizeof(std::uint32_t)));
-    launch(kernel, list, waiting[kernel]);
+    const std::uint32_t* list = lists_.begin_pass(kernel);
+    ACCEL_CUDA_TRY(cudaMemsetAsync(lists_.sizes + static_cast<std::size_t>(kernel), 0, sizeof(std::uint32_t)));
+    visit_kernel(kernel, [&](auto k) { launch<k()>(list, waiting[kernel]); });
     ACCEL_CUDA_TRY(cudaGetLastError());
     std::array<std::uint32_t, kMultipassKernels> sizes;
     ACCEL_CUDA_TRY(cudaMemcpy(sizes.data(), lists_.sizes, sizeof sizes, cudaMemcpyDeviceToHost));
@@ -48,28 +41,8 @@ class MultipassRun {
     return Done{};
   }
 
-  void launch(MultipassKernel kernel, const std::uint32_t* list, std::uint32_t count) {
-    using Kernel = MultipassKernel;
-    switch (kernel) {
-      case Kernel::initialize:
-        return launch_kernel<Kernel::initialize>(list, count);
-      case Kernel::down:
-        return launch_kernel<Kernel::down>(list, count);
-      case Kernel::leaf:
-        return launch_kernel<Kernel::leaf>(list, count);
-      case Kernel::intersect:
-        return launch_kernel<Kernel::intersect>(list, count);
-      case Kernel::continue_search:
-        return launch_kernel<Kernel::continue_search>(list, count);
-      case Kernel::up:
-        return launch_kernel<Kernel::up>(list, count);
-      case Kernel::finished:
-        return;
-    }
-  }
-
   template <MultipassKernel kKernel>
-  void launch_kernel(const std::uint32_t* list, std::uint32_t count) {
+  void launch(const std::uint32_t* list, std::uint32_t count) {
     const unsigned blocks = (count + kBlockSize - 1) / kBlockSize;
     multipass_kernel<Traverser, kKernel, Finish><<<blocks, kBlockSize>>>(view_, streams_, list, count, lists_, finish_);
   }
@@ -78,7 +51,6 @@ class MultipassRun {
   const Finish finish_;
   MultipassStreams<Traverser> streams_;
   MultipassLists lists_;
-  std::uint32_t* spare_ = nullptr;
 };
 
 }  // namespace accel::cuda

@@ -10,7 +10,9 @@
 // ray's state is in neighbouring sectors however the lists have mixed the rays. Deviation: [FS05] masks rays instead.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "libaccel/exec/cuda/trace_kernel.cuh"
 #include "libaccel/exec/multipass_step.h"
@@ -30,7 +32,21 @@ struct MultipassStreams {
 // The lists that a pass appends to, by kernel, and their sizes.
 struct MultipassLists {
   std::uint32_t* rays[kMultipassKernels];
+  std::uint32_t* spare;
   std::uint32_t* sizes;
+
+  // In memory for kMultipassKernels + 1 lists of `capacity` rays, and kMultipassKernels sizes.
+  MultipassLists(std::uint32_t* memory, std::size_t capacity, std::uint32_t* size_memory) : sizes(size_memory) {
+    for (std::uint32_t*& list : rays) list = std::exchange(memory, memory + capacity);
+    spare = memory;
+  }
+
+  // The list that a pass of the kernel reads; none is all rays. Rays that stay go to the spare list, which is now the kernel's.
+  const std::uint32_t* begin_pass(MultipassKernel kernel) {
+    std::uint32_t*& list = rays[static_cast<std::size_t>(kernel)];
+    std::swap(list, spare);
+    return kernel == MultipassKernel::initialize ? nullptr : spare;
+  }
 };
 
 // What is done with the answer of a ray that has ended, beside leaving it among the hits.

@@ -72,28 +72,7 @@ Trace follow(const std::vector<Call>& script) {
   for (Kernel kernel = Kernel::initialize; kernel != Kernel::finished;) {
     trace.kernels.push_back(kernel);
     const Scripted::View view = script.data();
-    switch (kernel) {
-      case Kernel::initialize:
-        kernel = step<Kernel::initialize>(view, r);
-        break;
-      case Kernel::down:
-        kernel = step<Kernel::down>(view, r);
-        break;
-      case Kernel::leaf:
-        kernel = step<Kernel::leaf>(view, r);
-        break;
-      case Kernel::intersect:
-        kernel = step<Kernel::intersect>(view, r);
-        break;
-      case Kernel::continue_search:
-        kernel = step<Kernel::continue_search>(view, r);
-        break;
-      case Kernel::up:
-        kernel = step<Kernel::up>(view, r);
-        break;
-      case Kernel::finished:
-        break;
-    }
+    visit_kernel(kernel, [&](auto k) { kernel = step<k()>(view, r); });
   }
   EXPECT_EQ(state.calls, script.size()) << "the traverser is called once for each of its phases";
   EXPECT_EQ(hit.t, Hit{}.t) << "misses are finished";

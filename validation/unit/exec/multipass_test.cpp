@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "libaccel/exec/cpu.h"
@@ -15,6 +17,7 @@ namespace accel {
 namespace {
 
 using ClosestStack = Bvh2Stack<Watertight, Query::closest>;
+using AnyStack = Bvh2Stack<Watertight, Query::any>;
 using ClosestBrute = BruteForce<Watertight, Query::closest>;
 using Kernel = MultipassKernel;
 
@@ -75,23 +78,68 @@ void expect_cpu_hits(const typename Traverser::View& view, std::span<const Ray> 
   }
 }
 
-// Whether leaves are left without backtracking, as in grids.
-template <class Traverser>
-constexpr bool goes_on_downwards() {
-  if constexpr (SpeculativeTraverser<Traverser>) return Traverser::kAfterLeaf == Phase::descend;
-  return false;
+TEST(Multipass, HitsAreTheCpusBitForBit) {
+  expect_cpu_hits<ClosestStack>(soup().bvh.view(), soup().rays);
+  expect_cpu_hits<AnyStack>(soup().bvh.view(), soup().rays);
+}
+
+// What follows runs as the library has compiled it for each method: here it would be compiled once more.
+class MultipassMethod : public testing::TestWithParam<std::string> {
+ protected:
+  static AnyAccel build() {
+    Result<AnyAccel> accel = AnyAccel::build(soup().mesh, GetParam());
+    EXPECT_TRUE(accel) << accel.message();
+    return std::move(accel).value();
+  }
+  static std::span<const Ray> rays() { return std::span(soup().rays).first(800); }
+};
+
+void expect_cpu_hits(const AnyAccel& accel, std::span<const Ray> rays, const std::string& test) {
+  std::vector<Hit> expected(rays.size()), hits(rays.size());
+  std::vector<std::uint8_t> expected_any(rays.size());
+  ASSERT_TRUE(accel.closest(rays, expected, {.threads = 1, .test = test}));
+  ASSERT_TRUE(accel.occluded(rays, expected_any, {.threads = 1, .test = test}));
+  int threads = 1;
+  for (const MultipassOptions& options : all_options()) {
+    SCOPED_TRACE(name_of(options) + ", " + std::to_string(threads) + " threads");
+    std::memset(static_cast<void*>(hits.data()), 0xab, hits.size() * sizeof(Hit));
+    ASSERT_TRUE(accel.trace_multipass(rays, Query::closest, hits, options, {.threads = threads, .test = test}));
+    EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
+    std::memset(static_cast<void*>(hits.data()), 0xab, hits.size() * sizeof(Hit));
+    ASSERT_TRUE(accel.trace_multipass(rays, Query::any, hits, options, {.threads = threads, .test = test}));
+    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(hits[i].valid(), expected_any[i] != 0) << i;
+    threads = threads == 1 ? 2 : 1;
+  }
+}
+
+TEST_P(MultipassMethod, HitsAreTheCpusWithAllOptions) {
+  const AnyAccel accel = build();
+  for (const std::string& test : triangle_tests()) {
+    SCOPED_TRACE(test);
+    expect_cpu_hits(accel, rays(), test);
+  }
+}
+
+// Whether a method leaves leaves without backtracking, as in grids.
+bool goes_on_downwards(const std::string& method) {
+  bool result = false;
+  Methods::for_each([&](auto tag) {
+    using Traverser = typename decltype(tag)::type::template Traverser<Watertight, Query::closest>;
+    if constexpr (SpeculativeTraverser<Traverser>)
+      result |= decltype(tag)::type::name() == method && Traverser::kAfterLeaf == Phase::descend;
+  });
+  return result;
 }
 
 // What the kernels did is what the while-while executor counts.
-template <class Traverser>
-void expect_cpu_counts(const typename Traverser::View& view, std::span<const Ray> rays) {
-  const Counters counters = count_rays<Traverser>(view, rays, {}, 1);
-  const MultipassProfile p = trace_multipass<Traverser>(view, rays, {}, {}, 1);
+void expect_cpu_counts(const AnyAccel& accel, std::span<const Ray> rays, Query query) {
+  const Counters counters = *accel.count(rays, query, {}, {.threads = 1});
+  const MultipassProfile p = *accel.trace_multipass(rays, query, {}, {}, {.threads = 1});
   EXPECT_EQ(p.rays, rays.size());
   EXPECT_EQ(p.of(Kernel::initialize).rays, rays.size());
   EXPECT_EQ(p.of(Kernel::down).rays, counters.node_steps);
   EXPECT_EQ(p.of(Kernel::intersect).rays, counters.triangle_tests);
-  if (goes_on_downwards<Traverser>()) {
+  if (goes_on_downwards(accel.method().name)) {
     EXPECT_LE(p.of(Kernel::leaf).rays, counters.leaf_visits);
   } else {
     EXPECT_EQ(p.of(Kernel::leaf).rays, counters.leaf_visits);
@@ -104,40 +152,24 @@ void expect_cpu_counts(const typename Traverser::View& view, std::span<const Ray
   EXPECT_EQ(p.total().bytes_fetched, fetched);
 }
 
-template <class Method>
-class MultipassMethod : public testing::Test {};
-
-template <class... Ms>
-using GTestTypes = testing::Types<Ms...>;
-struct MethodName {
-  template <class Method>
-  static std::string GetName(int) {
-    return Method::name();
-  }
-};
-TYPED_TEST_SUITE(MultipassMethod, Methods::Apply<GTestTypes>, MethodName);
-
-TYPED_TEST(MultipassMethod, HitsAreTheCpusWithAllOptions) {
-  const auto accel = AnyAccel::build(soup().mesh, TypeParam::name());
-  ASSERT_TRUE(accel.ok()) << accel.message();
-  const auto view = accel->structure().template get_if<typename TypeParam::Structure>()->view();
-  const std::span<const Ray> rays = std::span(soup().rays).first(800);
-  TriangleTests::for_each([&](auto tag) {
-    using TriangleTest = typename decltype(tag)::type;
-    SCOPED_TRACE(TriangleTest::kName);
-    expect_cpu_hits<typename TypeParam::template Traverser<TriangleTest, Query::closest>>(view, rays);
-    expect_cpu_hits<typename TypeParam::template Traverser<TriangleTest, Query::any>>(view, rays);
-  });
+TEST_P(MultipassMethod, StepsAreTheCpus) {
+  const AnyAccel accel = build();
+  expect_cpu_counts(accel, rays(), Query::closest);
+  expect_cpu_counts(accel, rays(), Query::any);
 }
 
-TYPED_TEST(MultipassMethod, StepsAreTheCpus) {
-  const auto accel = AnyAccel::build(soup().mesh, TypeParam::name());
-  ASSERT_TRUE(accel.ok()) << accel.message();
-  const auto view = accel->structure().template get_if<typename TypeParam::Structure>()->view();
-  const std::span<const Ray> rays = std::span(soup().rays).first(800);
-  expect_cpu_counts<typename TypeParam::template Traverser<Watertight, Query::closest>>(view, rays);
-  expect_cpu_counts<typename TypeParam::template Traverser<Watertight, Query::any>>(view, rays);
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const MethodInfo& method : methods()) names.push_back(method.name);
+  return names;
 }
+
+INSTANTIATE_TEST_SUITE_P(Methods, MultipassMethod, testing::ValuesIn(method_names()), [](const auto& info) {
+  std::string name = info.param;
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  return name;
+});
 
 TEST(Multipass, ProfilesDoNotDependOnThreads) {
   const Scene& scene = soup();

@@ -5,17 +5,22 @@
 #include <cstring>
 #include <vector>
 
+#include "libaccel/build/binned_sah.h"
+#include "libaccel/build/triangle_list.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/geometry/watertight.h"
 #include "libaccel/rays/ray_sets.h"
-#include "libaccel/registry/annotate.h"
-#include "libaccel/registry/methods.h"
+#include "libaccel/registry/any_accel.h"
+#include "libaccel/trace/brute_force.h"
+#include "libaccel/trace/bvh2_stack.h"
 #include "scenes/procedural.h"
 
 namespace accel {
 namespace {
 
 using ClosestStack = Bvh2Stack<Watertight, Query::closest>;
+using AnyStack = Bvh2Stack<Watertight, Query::any>;
 using ClosestBrute = BruteForce<Watertight, Query::closest>;
 using AnyBrute = BruteForce<Watertight, Query::any>;
 
@@ -146,25 +151,42 @@ void expect_cpu_hits(const typename Traverser::View& view, std::span<const Ray> 
   }
 }
 
-template <class Method, class TriangleTest>
-void expect_cpu_hits_of(const TriangleMesh& mesh, std::span<const Ray> rays) {
-  SCOPED_TRACE(Method::name() + " " + TriangleTest::kName);
-  const auto built = build_for<Method>(mesh, {});
-  ASSERT_TRUE(built.ok()) << built.message();
-  const auto view = built->structure.view();
-  expect_cpu_hits<typename Method::template Traverser<TriangleTest, Query::closest>>(view, rays);
-  expect_cpu_hits<typename Method::template Traverser<TriangleTest, Query::any>>(view, rays);
+std::vector<Ray> rays_some_of_them_dead(std::size_t count) {
+  std::vector<Ray> rays(soup().rays.begin(), soup().rays.begin() + static_cast<std::ptrdiff_t>(count));
+  for (std::size_t i = 0; i < rays.size(); i += 50) rays[i] = kDeadRay;
+  return rays;
 }
 
+TEST(Simt, HitsAreTheCpusBitForBit) {
+  expect_cpu_hits<ClosestStack>(soup().bvh.view(), rays_some_of_them_dead(2000));
+  expect_cpu_hits<AnyStack>(soup().bvh.view(), rays_some_of_them_dead(2000));
+}
+
+void expect_cpu_hits_of(const AnyAccel& accel, std::span<const Ray> rays, const std::string& test) {
+  std::vector<Hit> expected(rays.size()), hits(rays.size());
+  std::vector<std::uint8_t> expected_any(rays.size());
+  ASSERT_TRUE(accel.closest(rays, expected, {.threads = 1, .test = test}));
+  ASSERT_TRUE(accel.occluded(rays, expected_any, {.threads = 1, .test = test}));
+  for (const SimtSchedule schedule : kSchedules) {
+    SCOPED_TRACE(accel.method().name + " " + test + " " + schedule_name(schedule));
+    const SimtOptions options{.schedule = schedule, .rays_per_warp = 100};
+    std::memset(static_cast<void*>(hits.data()), 0xab, hits.size() * sizeof(Hit));
+    ASSERT_TRUE(accel.profile_simt(rays, Query::closest, hits, options, {.threads = 2, .test = test}));
+    EXPECT_TRUE(same_bytes(hits, expected));
+    std::memset(static_cast<void*>(hits.data()), 0xab, hits.size() * sizeof(Hit));
+    ASSERT_TRUE(accel.profile_simt(rays, Query::any, hits, options, {.threads = 2, .test = test}));
+    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(hits[i].valid(), expected_any[i] != 0) << i;
+  }
+}
+
+// As the library has compiled it for each method: here it would be compiled once more.
 TEST(Simt, HitsAreTheCpusInEveryScheduleAndMethod) {
-  const Scene& scene = soup();
-  std::vector<Ray> rays(scene.rays.begin(), scene.rays.begin() + 500);
-  for (std::size_t i = 0; i < rays.size(); i += 50) rays[i] = kDeadRay;
-  Methods::for_each([&](auto method) {
-    TriangleTests::for_each([&](auto test) {
-      expect_cpu_hits_of<typename decltype(method)::type, typename decltype(test)::type>(scene.mesh, rays);
-    });
-  });
+  const std::vector<Ray> rays = rays_some_of_them_dead(500);
+  for (const MethodInfo& method : methods()) {
+    const auto accel = AnyAccel::build(soup().mesh, method.name);
+    ASSERT_TRUE(accel) << accel.message();
+    for (const std::string& test : triangle_tests()) expect_cpu_hits_of(*accel, rays, test);
+  }
 }
 
 TEST(Simt, StepsAndBytesAreWhatTheRaysCost) {

@@ -7,8 +7,8 @@
 #include "libaccel/exec/cpu.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/annotate.h"
-#include "libaccel/registry/methods.h"
 #include "scenes/procedural.h"
+#include "validation/unit/exec/kernel_methods.h"
 #include "validation/unit/exec/warp_emulator.h"
 // The kernel needs the emulator's intrinsics.
 #include "libaccel/exec/cuda/trace_kernel.cuh"
@@ -62,10 +62,10 @@ void expect_cpu_answers(const typename Method::Structure::View& view, const std:
   EXPECT_EQ(any, expected_any);
 }
 
-TEST(TraceKernel, AnswersAreTheCpusForEveryMethod) {
+TEST(TraceKernel, AnswersAreTheCpus) {
   const auto scene = make_builtin("soup:300");
   ASSERT_TRUE(scene.ok()) << scene.message();
-  Methods::for_each([&](auto tag) {
+  KernelMethods::for_each([&](auto tag) {
     using Method = typename decltype(tag)::type;
     const auto built = build_for<Method>(scene->mesh, {});
     ASSERT_TRUE(built.ok()) << built.message();

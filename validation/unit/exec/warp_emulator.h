@@ -17,32 +17,36 @@
 
 constexpr int warpSize = 32;
 
+// What the lanes say in a vote or shuffle lies in two places by turns: a lane that is already at the next one does not write
+// over what others still read, and one barrier a vote is enough.
 struct EmulatedWarp {
   std::barrier<> barrier{warpSize};
-  unsigned values[warpSize];  // what the lanes say in a vote or shuffle
+  unsigned values[2][warpSize];
 };
 struct EmulatedIndex {
   unsigned x = 0;
 };
 inline thread_local EmulatedIndex threadIdx, blockIdx, blockDim;
 inline thread_local EmulatedWarp* this_warp = nullptr;
+inline thread_local unsigned this_turn = 0;
 
 inline void __syncwarp() { this_warp->barrier.arrive_and_wait(); }
 
-inline unsigned __shfl_sync(unsigned, unsigned value, int lane) {
-  this_warp->values[threadIdx.x] = value;
+// What every lane says, once all have said it.
+inline const unsigned* exchange(unsigned value) {
+  unsigned* values = this_warp->values[this_turn];
+  this_turn ^= 1u;
+  values[threadIdx.x] = value;
   __syncwarp();
-  const unsigned result = this_warp->values[lane];
-  __syncwarp();
-  return result;
+  return values;
 }
 
+inline unsigned __shfl_sync(unsigned, unsigned value, int lane) { return exchange(value)[lane]; }
+
 inline unsigned __ballot_sync(unsigned, bool vote) {
-  this_warp->values[threadIdx.x] = vote ? 1u : 0u;
-  __syncwarp();
+  const unsigned* votes = exchange(vote ? 1u : 0u);
   unsigned result = 0;
-  for (unsigned lane = 0; lane < warpSize; ++lane) result |= this_warp->values[lane] << lane;
-  __syncwarp();
+  for (unsigned lane = 0; lane < warpSize; ++lane) result |= votes[lane] << lane;
   return result;
 }
 
@@ -59,7 +63,7 @@ inline void run_warps(unsigned warps, const std::function<void()>& kernel) {
     for (unsigned lane = 0; lane < warpSize; ++lane) {
       lanes.emplace_back([&, w, lane] {
         threadIdx.x = lane, blockIdx.x = w, blockDim.x = warpSize;
-        this_warp = &state[w];
+        this_warp = &state[w], this_turn = 0;
         kernel();
       });
     }

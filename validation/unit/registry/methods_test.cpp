@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <set>
 #include <vector>
 
-#include "libaccel/exec/cpu.h"
-#include "libaccel/exec/simt.h"
-#include "libaccel/registry/annotate.h"
+#include "libaccel/registry/instantiate_method.h"
 #include "libaccel/registry/structures.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
@@ -75,34 +74,38 @@ TEST(Methods, StructuresAreListedOnce) {
       << "no new structure, no new type";
 }
 
-// All executors take the new method as they take the registered ones.
+// The registry takes the new method as it takes the listed ones, and every executor answers as brute force does.
 TEST(Methods, ANewTraverserIsOneTypeAndOneLine) {
   const TriangleMesh mesh = validation::mesh_of(validation::random_triangles(60, 0.4f, 1));
   const std::vector<Ray> rays = validation::stress_rays(mesh, 2000);
-  std::vector<std::vector<Hit>> answers;
-  ExtendedMethods::for_each([&](auto tag) {
-    using M = typename decltype(tag)::type;
-    using Closest = typename M::template Traverser<Watertight, Query::closest>;
-    using Any = typename M::template Traverser<Watertight, Query::any>;
-    const auto built = build_for<M>(mesh, {});
-    ASSERT_TRUE(built) << built.message();
-    std::vector<Hit> hits(rays.size()), simulated(rays.size());
-    std::vector<std::uint8_t> occluded(rays.size());
-    trace_closest<Closest>(built->structure.view(), rays, hits, 1);
-    trace_any<Any>(built->structure.view(), rays, occluded, 1);
-    simulate_simt<Closest>(built->structure.view(), rays, simulated, {}, 1);
-    EXPECT_EQ(count_rays<Closest>(built->structure.view(), rays, {}, 1).rays, rays.size());
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      EXPECT_EQ(occluded[i] != 0, hits[i].valid()) << M::name() << ' ' << i;
-      EXPECT_EQ(simulated[i].prim_id, hits[i].prim_id) << M::name() << ' ' << i;
-    }
-    answers.push_back(std::move(hits));
-  });
-  ASSERT_EQ(answers.size(), Methods::size + 1);
+  const Result<AnyAccel> brute = AnyAccel::build(mesh, "brute/loop");
+  ASSERT_TRUE(brute) << brute.message();
+  std::vector<Hit> expected(rays.size());
+  ASSERT_TRUE(brute->closest(rays, expected));
+
+  const MethodEntry entry = make_method_entry<Method<ListBuilder, BackwardsLoop>>();
+  EXPECT_EQ(entry.info.name, "brute/backwards");
+  const AnyStructure& list = brute->structure();
+  ASSERT_TRUE(entry.check(list, entry.info));
+  for (const TestEntry& test : entry.tests) EXPECT_EQ(test.count(list, rays, Query::closest, {}, 1, {}).rays, rays.size());
+
+  const TestEntry& watertight = entry.tests[0];
+  std::vector<Hit> hits(rays.size()), simulated(rays.size()), passed(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size());
+  watertight.closest(list, rays, hits, 1);
+  watertight.occluded(list, rays, occluded, 1);
+  watertight.simt(list, rays, Query::closest, simulated, {}, 1);
+  watertight.multipass(list, rays, Query::closest, passed, {}, 1);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    EXPECT_EQ(answers.back()[i].prim_id, answers.front()[i].prim_id) << i;
-    EXPECT_EQ(answers.back()[i].t, answers.front()[i].t) << i;
+    EXPECT_EQ(hits[i].prim_id, expected[i].prim_id) << i;
+    EXPECT_EQ(hits[i].t, expected[i].t) << i;
+    EXPECT_EQ(occluded[i] != 0, expected[i].valid()) << i;
   }
+  const auto same_hits = [&](const std::vector<Hit>& other) {
+    return std::memcmp(other.data(), hits.data(), hits.size() * sizeof(Hit)) == 0;
+  };
+  EXPECT_TRUE(same_hits(simulated));
+  EXPECT_TRUE(same_hits(passed));
 }
 
 }  // namespace
