@@ -1,19 +1,24 @@
 // Function qualifiers that differ between host and device compilers, and the library's assertion.
 //
-// This header and the SIMD files (core/float4_simd.h, geometry/watertight_simd.h, trace/box_pair.h) are the only places with `#if`.
+// This header and the SIMD files (core/float4_simd.h, geometry/watertight_simd.h, trace/box_pair.h) are the only places with
+// `#if`.
 #pragma once
 
 #include <cassert>
 
-// A function that runs on the host and, when a CUDA compiler reads it, on the device.
+// A function that runs on the host and, when a CUDA compiler reads it, on the device. Where sanitizers look on, nothing is
+// forced inline: the checks around every access make such code twice as long to compile, and the stack of an error names fewer
+// functions.
 #if defined(__CUDACC__)
 #define ACCEL_HD __host__ __device__ __forceinline__
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define ACCEL_HD inline
 #else
 #define ACCEL_HD inline __attribute__((always_inline))
 #endif
 
-// A copy of 16 (8) bytes that no one writes while rays are traced: one load through a device's read-only path, however few of the bytes
-// are used; a plain copy on the host.
+// A copy of 16 (8) bytes that no one writes while rays are traced: one load through a device's read-only path, however few of
+// the bytes are used; a plain copy on the host.
 template <class T>
 ACCEL_HD T load_16_bytes(const T& object) {
   static_assert(sizeof(T) == 16 && alignof(T) == 16);
