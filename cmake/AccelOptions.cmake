@@ -48,6 +48,25 @@ option(ACCEL_BUILD_BENCH "Build the Google Benchmark programs" ${PROJECT_IS_TOP_
 option(ACCEL_WERROR "Treat warnings as errors" OFF)
 set(ACCEL_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
 
+option(ACCEL_PRECOMPILE "Precompile headers, where no compiler launcher is set: caches do not see through them" ${PROJECT_IS_TOP_LEVEL})
+set(ACCEL_PRECOMPILE_ENABLED OFF)
+if(ACCEL_PRECOMPILE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(ACCEL_PRECOMPILE_ENABLED ON)
+endif()
+
+# A linker is no part of a user's build.
+set(ACCEL_HAVE_MOLD OFF)
+if(PROJECT_IS_TOP_LEVEL)
+  include(CheckLinkerFlag)
+  check_linker_flag(CXX -fuse-ld=mold ACCEL_LINKS_WITH_MOLD)
+  if(ACCEL_LINKS_WITH_MOLD)
+    set(ACCEL_HAVE_MOLD ON)
+    accel_note(MOLD "on: links programs")
+  else()
+    accel_note(MOLD "off: not found; cmake/install-deps.sh installs it")
+  endif()
+endif()
+
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 

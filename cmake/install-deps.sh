@@ -3,7 +3,7 @@
 set -euo pipefail
 
 packages=(
-  g++ cmake ninja-build            # the build
+  g++ cmake ninja-build mold       # the build
   libtbb-dev                       # parallel loops
   libtinyobjloader-dev             # OBJ files
   libzstd-dev libxxhash-dev        # compressed scenes, checksums

@@ -36,7 +36,7 @@ std::vector<std::string_view> split(std::string_view line) {
 }
 
 // A word for a message: short, and without bytes that are no text.
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
   std::string result = "'";
   for (const char c : word.substr(0, 40)) result += c >= ' ' && c <= '~' ? c : '?';
   return result + "'";
@@ -79,7 +79,7 @@ class HeaderParser {
     if (words[0] == "format") return format(words);
     if (words[0] == "element") return element(words);
     if (words[0] == "property") return property(words);
-    return error(quoted(words[0]) + " is not a statement of a PLY header");
+    return error(in_quotes(words[0]) + " is not a statement of a PLY header");
   }
 
   Status format(const std::vector<std::string_view>& words) {
@@ -94,15 +94,16 @@ class HeaderParser {
       has_format_ = true;
       return Done{};
     }
-    return error(quoted(words[1]) + " is not a PLY format");
+    return error(in_quotes(words[1]) + " is not a PLY format");
   }
 
   Status element(const std::vector<std::string_view>& words) {
     if (words.size() != 3) return error("expected 'element NAME COUNT'");
     PlyElement result{std::string(words[1]), 0, header_.lines, {}};
     const auto [end, status] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), result.count);
-    if (status != std::errc() || end != words[2].data() + words[2].size()) return error(quoted(words[2]) + " is not a count");
-    if (header_.find(words[1]) != nullptr) return error("a second element " + quoted(words[1]));
+    if (status != std::errc() || end != words[2].data() + words[2].size())
+      return error(in_quotes(words[2]) + " is not a count");
+    if (header_.find(words[1]) != nullptr) return error("a second element " + in_quotes(words[1]));
     header_.elements.push_back(std::move(result));
     return Done{};
   }
@@ -115,14 +116,14 @@ class HeaderParser {
 
     const std::string_view type_name = words[words.size() - 2];
     const std::optional<PlyType> type = type_named(type_name);
-    if (!type) return error(quoted(type_name) + " is not a PLY type");
+    if (!type) return error(in_quotes(type_name) + " is not a PLY type");
     result.type = *type;
     if (list) {
       result.count_type = type_named(words[2]);
-      if (!result.count_type) return error(quoted(words[2]) + " is not a PLY type");
+      if (!result.count_type) return error(in_quotes(words[2]) + " is not a PLY type");
       if (*result.count_type >= PlyType::float32) return error("a list's length must be an integer");
     }
-    if (header_.elements.back().find(result.name) >= 0) return error("a second property " + quoted(result.name));
+    if (header_.elements.back().find(result.name) >= 0) return error("a second property " + in_quotes(result.name));
     header_.elements.back().properties.push_back(std::move(result));
     return Done{};
   }
