@@ -2,34 +2,20 @@
 #include "libaccel/build/builder.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
-#include <algorithm>
-#include <cstring>
 #include <set>
 
 #include "libaccel/build/binned_sah.h"
 #include "libaccel/build/sbvh.h"
-#include "libaccel/build/triangle_list.h"
-#include "libaccel/exec/drive.h"
-#include "libaccel/geometry/mesh_facts.h"
-#include "libaccel/geometry/watertight.h"
 #include "libaccel/structure/bvh2_stats.h"
-#include "libaccel/trace/brute_force.h"
 #include "libaccel/trace/bvh2_stack.h"
-#include "validation/unit/build/test_meshes.h"
+#include "validation/unit/build/builder_checks.h"
 
 namespace accel {
 namespace {
 
-template <class Builder>
-Built<Bvh2> build(const TriangleMesh& mesh, const BuildOptions& options = {}) {
-  Result<Built<Bvh2>> built = Builder::build(mesh, options);
-  EXPECT_TRUE(built.ok()) << built.message();
-  const Status valid = validate(built->structure, mesh.size());
-  EXPECT_TRUE(valid.ok()) << valid.message();
-  return std::move(*built);
-}
+using test::build;
+using test::same_bytes;
 
 // The triangles of all leaves whose boxes, and all boxes above, contain the point.
 std::set<std::uint32_t> triangles_around(const Bvh2& bvh, Vec3 p) {
@@ -49,20 +35,13 @@ std::set<std::uint32_t> triangles_around(const Bvh2& bvh, Vec3 p) {
   return found;
 }
 
-bool same_bytes(const Bvh2& a, const Bvh2& b) {
-  return a.root == b.root && a.depth == b.depth && a.references == b.references && a.nodes.size() == b.nodes.size() &&
-         a.leaves.size() == b.leaves.size() && std::memcmp(&a.bounds, &b.bounds, sizeof a.bounds) == 0 &&
-         (a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size_bytes()) == 0) &&
-         std::memcmp(a.leaves.data(), b.leaves.data(), a.leaves.size_bytes()) == 0;
-}
-
 template <class Builder>
 class Builders : public testing::Test {};
 using Bvh2Builders = testing::Types<BinnedSah, Sbvh>;
 TYPED_TEST_SUITE(Builders, Bvh2Builders);
 
 TYPED_TEST(Builders, NothingToBuildIsAnEmptyTree) {
-  for (const TriangleMesh& mesh : {TriangleMesh{}, test::mesh_of({Triangle{}, Triangle{}})}) {
+  for (const TriangleMesh& mesh : test::empty_meshes()) {
     const Built<Bvh2> built = build<TypeParam>(mesh);
     EXPECT_EQ(built.structure.root, kNoNode);
     EXPECT_EQ(built.report.skipped.zero_area, mesh.size());
@@ -80,15 +59,9 @@ TYPED_TEST(Builders, ReportAgreesWithTheTree) {
     SCOPED_TRACE(name);
     const Built<Bvh2> built = build<TypeParam>(mesh);
     const Bvh2Stats stats = bvh2_stats(built.structure, 1, 1);
-    const MeshFacts facts = mesh_facts(mesh);
-    EXPECT_EQ(built.report.skipped.zero_area, facts.zero_area);
-    EXPECT_EQ(built.report.skipped.out_of_range, facts.out_of_range);
-    EXPECT_EQ(built.report.triangles, mesh.size() - facts.zero_area - facts.out_of_range);
-    EXPECT_EQ(stats.triangles, built.report.triangles);
-    EXPECT_EQ(stats.references, built.report.references);
+    test::expect_true_report(mesh, built, stats);
     EXPECT_EQ(stats.depth, built.structure.depth);
-    EXPECT_TRUE(built.structure.bounds.contains(facts.bounds));
-    EXPECT_GE(built.report.peak_bytes, built.structure.size_bytes());
+    EXPECT_TRUE(built.structure.bounds.contains(mesh_facts(mesh).bounds));
   }
 }
 
@@ -134,37 +107,16 @@ TYPED_TEST(Builders, BoxesContainInnerPointsOfTheirTriangles) {
 }
 
 TYPED_TEST(Builders, HitsAreThoseOfBruteForce) {
+  constexpr float kHalf = 2.0f / 3.0f;
   for (const auto& [name, mesh] : test::all_meshes()) {
     SCOPED_TRACE(name);
-    const Built<Bvh2> built = build<TypeParam>(mesh);
-    const Result<Built<TriangleList>> list = ListBuilder::build(mesh, {});
-    ASSERT_TRUE(list.ok());
-    ASSERT_TRUE(validate(list->structure, mesh.size()).ok());
-    NullObserver observer;
-    for (std::uint32_t i = 0; i < 100; ++i) {
-      CounterRng rng(5, i);
-      Ray ray;
-      ray.org = 2.0f * test::random_point(rng);
-      const Vec3 target = mesh.vertices[rng.next_below(static_cast<std::uint32_t>(mesh.vertices.size()))];
-      ray.dir = target + 0.3f * test::random_point(rng) - ray.org;
-      const Hit expected = trace_ray<BruteForce<Watertight, Query::closest>>(list->structure.view(), ray, observer);
-      const Hit hit = trace_ray<Bvh2Stack<Watertight, Query::closest>>(built.structure.view(), ray, observer);
-      EXPECT_EQ(hit.prim_id, expected.prim_id) << "ray " << i;
-      EXPECT_EQ(hit.t, expected.t) << "ray " << i;
-    }
+    test::expect_hits_of_brute_force<Bvh2Stack<Watertight, Query::closest>>(
+        mesh, build<TypeParam>(mesh).structure, {{-kHalf, -kHalf, -kHalf}, {kHalf, kHalf, kHalf}}, 100);
   }
 }
 
 TYPED_TEST(Builders, BytesDoNotDependOnThreads) {
-  const tbb::global_control more_threads(tbb::global_control::max_allowed_parallelism, 8);
-  const TriangleMesh mesh = test::soup(70000, 0.05f);  // above the sizes from which phases are parallel
-  BuildOptions options;
-  options.threads = 1;
-  const Built<Bvh2> one = build<TypeParam>(mesh, options);
-  for (const int threads : {2, 3, 8}) {
-    options.threads = threads;
-    EXPECT_TRUE(same_bytes(one.structure, build<TypeParam>(mesh, options).structure)) << threads << " threads";
-  }
+  test::expect_same_bytes_for_any_threads<TypeParam>(test::soup(70000, 0.05f));
 }
 
 TYPED_TEST(Builders, DepthStaysWithinItsBound) {
@@ -220,21 +172,11 @@ TYPED_TEST(Builders, ScalingByAPowerOfTwoKeepsTheTree) {
     for (int c = 0; c < 2; ++c) EXPECT_EQ(a.structure.nodes[i].child[c], b.structure.nodes[i].child[c]);
 }
 
-TYPED_TEST(Builders, ProgressCanInterrupt) {
-  BuildOptions options;
-  options.progress = [](std::string_view, double) { return false; };
-  const Result<Built<Bvh2>> built = TypeParam::build(test::soup(20000, 0.1f), options);
-  ASSERT_FALSE(built.ok());
-  EXPECT_EQ(built.message(), kInterrupted);
-}
+TYPED_TEST(Builders, ProgressCanInterrupt) { test::expect_progress_interrupts<TypeParam>(); }
 
 TYPED_TEST(Builders, MeaninglessOptionsAreRefused) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const auto refuses = [](auto change) {
-    BuildOptions options;
-    change(options);
-    return !TypeParam::build(TriangleMesh{}, options).ok();
-  };
+  const auto refuses = [](auto change) { return test::refuses<TypeParam>(change); };
   EXPECT_TRUE(refuses([](BuildOptions& o) { o.threads = -1; }));
   EXPECT_TRUE(refuses([](BuildOptions& o) { o.bins = 1; }));
   EXPECT_TRUE(refuses([](BuildOptions& o) { o.bins = 100000; }));

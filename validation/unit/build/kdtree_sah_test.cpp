@@ -2,33 +2,23 @@
 #include "libaccel/build/kdtree_sah.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <set>
 
-#include "libaccel/build/triangle_list.h"
-#include "libaccel/exec/drive.h"
 #include "libaccel/geometry/mesh_facts.h"
-#include "libaccel/geometry/watertight.h"
 #include "libaccel/structure/kdtree_stats.h"
 #include "libaccel/structure/padding.h"
-#include "libaccel/trace/brute_force.h"
 #include "libaccel/trace/kdtree_stack.h"
-#include "validation/unit/build/test_meshes.h"
+#include "validation/unit/build/builder_checks.h"
 
 namespace accel {
 namespace {
 
 Built<KdTree> build(const TriangleMesh& mesh, const BuildOptions& options = {}) {
-  Result<Built<KdTree>> built = KdTreeSah::build(mesh, options);
-  EXPECT_TRUE(built.ok()) << built.message();
-  const Status valid = validate(built->structure, mesh.size());
-  EXPECT_TRUE(valid.ok()) << valid.message();
-  return std::move(*built);
+  return test::build<KdTreeSah>(mesh, options);
 }
 
 // Planes that many triangles share: where ties and closed cells show.
@@ -156,21 +146,8 @@ std::vector<LeafCell> leaf_cells(const KdTree& tree) {
   return result;
 }
 
-bool same_bytes(const KdTree& a, const KdTree& b) {
-  std::vector<std::string> bytes[2];
-  const auto append_to = [](std::vector<std::string>& out) {
-    return [&out](std::string_view, const auto& array) {
-      out.emplace_back(reinterpret_cast<const char*>(array.data()), array.size_bytes());
-    };
-  };
-  KdTree::for_each_array(a, append_to(bytes[0]));
-  KdTree::for_each_array(b, append_to(bytes[1]));
-  return bytes[0] == bytes[1] && a.depth == b.depth && a.leaf_count == b.leaf_count &&
-         std::memcmp(&a.bounds, &b.bounds, sizeof a.bounds) == 0;
-}
-
 TEST(KdTreeSah, NothingToBuildIsAnEmptyTree) {
-  for (const TriangleMesh& mesh : {TriangleMesh{}, test::mesh_of({Triangle{}, Triangle{}})}) {
+  for (const TriangleMesh& mesh : test::empty_meshes()) {
     const Built<KdTree> built = build(mesh);
     EXPECT_TRUE(built.structure.nodes.empty());
     EXPECT_EQ(built.report.skipped.zero_area, mesh.size());
@@ -182,14 +159,9 @@ TEST(KdTreeSah, ReportAgreesWithTheTree) {
     SCOPED_TRACE(name);
     const Built<KdTree> built = build(mesh);
     const KdTreeStats stats = kdtree_stats(built.structure);
-    const MeshFacts facts = mesh_facts(mesh);
-    EXPECT_EQ(built.report.skipped.zero_area, facts.zero_area);
-    EXPECT_EQ(built.report.skipped.out_of_range, facts.out_of_range);
-    EXPECT_EQ(built.report.triangles, mesh.size() - facts.zero_area - facts.out_of_range);
-    EXPECT_EQ(stats.triangles, built.report.triangles);
-    EXPECT_EQ(stats.references, built.report.references);
-    EXPECT_TRUE(built.structure.bounds.contains(padded(facts.bounds, cell_padding(facts.bounds))));
-    EXPECT_GE(built.report.peak_bytes, built.structure.size_bytes());
+    test::expect_true_report(mesh, built, stats);
+    const Aabb bounds = mesh_facts(mesh).bounds;
+    EXPECT_TRUE(built.structure.bounds.contains(padded(bounds, cell_padding(bounds))));
   }
 }
 
@@ -230,36 +202,12 @@ TEST(KdTreeSah, CellsHoldOnlyTrianglesNearThem) {
 TEST(KdTreeSah, HitsAreThoseOfBruteForce) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    const Built<KdTree> built = build(mesh);
-    const Result<Built<TriangleList>> list = ListBuilder::build(mesh, {});
-    ASSERT_TRUE(list.ok());
-    const Aabb box = built.structure.bounds;
-    NullObserver observer;
-    for (std::uint32_t i = 0; i < 200; ++i) {
-      CounterRng rng(5, i);
-      Ray ray;
-      ray.org = box.center() + 1.5f * test::random_point(rng) * box.extent();
-      const Vec3 target = mesh.vertices[rng.next_below(static_cast<std::uint32_t>(mesh.vertices.size()))];
-      ray.dir = target + 0.3f * test::random_point(rng) * box.extent() - ray.org;
-      const Hit expected = trace_ray<BruteForce<Watertight, Query::closest>>(list->structure.view(), ray, observer);
-      const Hit hit = trace_ray<KdTreeStack<Watertight, Query::closest>>(built.structure.view(), ray, observer);
-      EXPECT_EQ(hit.prim_id, expected.prim_id) << "ray " << i;
-      EXPECT_EQ(hit.t, expected.t) << "ray " << i;
-    }
+    const KdTree tree = build(mesh).structure;
+    test::expect_hits_of_brute_force<KdTreeStack<Watertight, Query::closest>>(mesh, tree, tree.bounds, 200);
   }
 }
 
-TEST(KdTreeSah, BytesDoNotDependOnThreads) {
-  const tbb::global_control more_threads(tbb::global_control::max_allowed_parallelism, 8);
-  const TriangleMesh mesh = test::soup(40000, 0.03f);  // above the sizes from which phases are parallel
-  BuildOptions options;
-  options.threads = 1;
-  const Built<KdTree> one = build(mesh, options);
-  for (const int threads : {2, 3, 8}) {
-    options.threads = threads;
-    EXPECT_TRUE(same_bytes(one.structure, build(mesh, options).structure)) << threads << " threads";
-  }
-}
+TEST(KdTreeSah, BytesDoNotDependOnThreads) { test::expect_same_bytes_for_any_threads<KdTreeSah>(test::soup(40000, 0.03f)); }
 
 TEST(KdTreeSah, DepthStaysWithinItsBound) {
   for (const auto& [name, mesh] : meshes())
@@ -323,21 +271,11 @@ TEST(KdTreeSah, ScalingByAPowerOfTwoKeepsTheTree) {
   }
 }
 
-TEST(KdTreeSah, ProgressCanInterrupt) {
-  BuildOptions options;
-  options.progress = [](std::string_view, double) { return false; };
-  const Result<Built<KdTree>> built = KdTreeSah::build(test::soup(20000, 0.1f), options);
-  ASSERT_FALSE(built.ok());
-  EXPECT_EQ(built.message(), kInterrupted);
-}
+TEST(KdTreeSah, ProgressCanInterrupt) { test::expect_progress_interrupts<KdTreeSah>(); }
 
 TEST(KdTreeSah, MeaninglessOptionsAreRefused) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const auto refuses = [](auto change) {
-    BuildOptions options;
-    change(options);
-    return !KdTreeSah::build(TriangleMesh{}, options).ok();
-  };
+  const auto refuses = [](auto change) { return test::refuses<KdTreeSah>(change); };
   EXPECT_TRUE(refuses([&](BuildOptions& o) { o.empty_bonus = nan; }));
   EXPECT_TRUE(refuses([](BuildOptions& o) { o.empty_bonus = 1; }));
   EXPECT_TRUE(refuses([&](BuildOptions& o) { o.max_references = nan; }));
