@@ -1,0 +1,62 @@
+#include "apps/common/trace_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace accel::apps {
+namespace {
+
+using testing::HasSubstr;
+
+Outcome<TraceSettings> parse(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "accel-trace");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  return parse_trace_options(static_cast<int>(arguments.size()), argv.data());
+}
+
+// A usage error of one line that says `words`. validation/cli/cli_test.sh has what programs make of that.
+void expect_refused(const std::vector<std::string>& arguments, const std::string& words) {
+  SCOPED_TRACE(testing::PrintToString(arguments));
+  const Outcome<TraceSettings> settings = parse(arguments);
+  ASSERT_FALSE(settings);
+  EXPECT_EQ(settings.failure().status, ExitStatus::usage);
+  EXPECT_THAT(settings.failure().message, HasSubstr(words));
+  EXPECT_EQ(std::count(settings.failure().message.begin(), settings.failure().message.end(), '\n'), 0);
+}
+
+TEST(TraceOptions, GoodNumbersAreTaken) {
+  const auto settings = parse({"builtin:cornell", "--width", "7", "--height", "5", "--spp", "3", "--count", "11"});
+  ASSERT_TRUE(settings) << settings.failure().message;
+  EXPECT_EQ(settings->width, 7u);
+  EXPECT_EQ(settings->height, 5u);
+  EXPECT_EQ(settings->spp, 3u);
+  EXPECT_EQ(settings->count, 11u);
+}
+
+TEST(TraceOptions, BadNumbersNameTheFlag) {
+  for (const std::string flag : {"--width", "--height", "--spp", "--count", "--judge-limit"})
+    for (const std::string bad : {"0", "-1", "1.5", "abc", "99999999999999999999", ""})
+      expect_refused({"builtin:cornell", flag, bad}, flag);
+}
+
+TEST(TraceOptions, NumbersHaveTheirRanges) {
+  expect_refused({"--seed", "-1"}, "--seed");
+  expect_refused({"--threads", "-2"}, "--threads");
+  expect_refused({"--threads", "4096"}, "from 0 to 1,024");
+  expect_refused({"--repeat", "0"}, "--repeat");
+  expect_refused({"--max-leaf-size", "0"}, "--max-leaf-size");
+  expect_refused({"--bins", "65"}, "--bins");
+  expect_refused({"--max-duplication", "16"}, "--max-duplication");
+  expect_refused({"--traversal-cost", "nan"}, "--traversal-cost");
+  expect_refused({"--traversal-cost", "inf"}, "--traversal-cost");
+  expect_refused({"--width", "65536", "--height", "65536", "--spp", "1000"}, "--spp");
+}
+
+}  // namespace
+}  // namespace accel::apps
