@@ -1,4 +1,7 @@
-// Pictures as files, by OpenImageIO. The one place that includes it; everything here fails politely in builds without it.
+// Pictures as files, by OpenImageIO; everything here fails politely in builds without it.
+//
+// OpenImageIO brings some 250 libraries, which take longer to load than most commands take to run. So it is linked with a
+// module (apps/images), the one place that includes it, which is loaded when a picture is asked for.
 //
 // The format is told by the file's ending: png, jpg, tif (8 bits, as displayed, encoded in sRGB) or exr (32 bits, the numbers
 // themselves in named channels). Files are written whole or not at all.
@@ -18,7 +21,11 @@ bool images_available();
 // "OpenImageIO 2.4.7", or why there is none.
 std::string image_library_version();
 
-// Fails where a picture of this name could not be written: no image library (unavailable), an unknown ending (usage).
+// The end of the name that tells the format, in small letters: "png".
+std::string image_ending(const std::filesystem::path& path);
+
+// Fails where a picture of this name could not be written: no image library, or it cannot be loaded (unavailable), an unknown
+// ending (usage).
 Finished check_image_name(const std::filesystem::path& path, std::string_view flag);
 
 // EXR: R, G, B, prim_id (uint32, 0xffffffff is a miss), t, u, v, Nx, Ny, Nz; the last seven of a pixel's first ray.
