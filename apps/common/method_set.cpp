@@ -20,7 +20,7 @@ std::string best_for(const Scene& scene) { return best_method({.builder = scene.
 std::string reason_to_skip(const MethodInfo& method, const Scene& scene, std::uint64_t rays) {
   if (scene.stored && method.builder != scene.stored->builder)
     return "the file holds a structure built by '" + scene.stored->builder + "'";
-  const std::uint64_t triangles = std::max<std::uint64_t>(scene.mesh().size(), 1);
+  const std::uint64_t triangles = std::max<std::uint64_t>(scene.facts.triangles, 1);
   if (method.exhaustive && rays > kMostExhaustiveTests / triangles)
     return counted(rays, "ray") + " times " + counted(triangles, "triangle") + " are more than " +
            with_commas(kMostExhaustiveTests) + " tests; name the method to run it";

@@ -17,6 +17,11 @@ Outcome<RayBatch> read_batch(const std::string& path) {
 
 }  // namespace
 
+bool rays_need_mesh(const std::string& name) {
+  const auto kind = parse_ray_kind(name);
+  return !name.ends_with(".npy") && kind && *kind != RayKind::primary && *kind != RayKind::random;
+}
+
 Outcome<RayMaker> RayMaker::create(const Scene& scene, const TraceSettings& settings, AnyAccel tracer) {
   auto camera = choose_camera(scene, settings.camera);
   if (!camera) return camera.failure();

@@ -23,6 +23,9 @@ struct RayBatch {
   std::size_t size() const { return set.size(); }
 };
 
+// Whether making the rays that --rays calls `name` needs the scene's triangles.
+bool rays_need_mesh(const std::string& name);
+
 // Makes batches. Primary rays and their hits are kept, since the secondary kinds start from them; they are made when first
 // needed.
 class RayMaker {

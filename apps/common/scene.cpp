@@ -41,12 +41,14 @@ double statistic(const AccelMetadata& metadata, const std::string& name) {
   return found == metadata.statistics.end() ? 0 : found->second;
 }
 
-Outcome<Scene> open_accel_file(const std::string& path) {
+Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
   const auto file = AccelFile::open(path);
   if (!file) return file.error();
   const auto metadata = read<AccelMetadata>(*file);
   if (!metadata) return metadata.error();
-  auto mesh = read<TriangleMesh>(*file);
+  const auto facts = read<MeshFacts>(*file);
+  if (!facts) return facts.error();
+  auto mesh = use == MeshUse::reads ? read<TriangleMesh>(*file) : Result<TriangleMesh>(TriangleMesh{});
   if (!mesh) return mesh.error();
   auto structure = read_structure(*file, metadata->structure);
   if (!structure) return structure.error();
@@ -56,6 +58,7 @@ Outcome<Scene> open_accel_file(const std::string& path) {
   report.references = static_cast<std::uint64_t>(statistic(*metadata, "references"));
   Scene scene;
   scene.data = {*std::move(mesh), metadata->cameras, metadata->light};
+  scene.facts = *facts;
   scene.stored = StoredStructure{*std::move(structure), std::move(report), metadata->builder};
   return scene;
 }
@@ -65,6 +68,7 @@ Outcome<Scene> open_scene_file(const std::string& path, const Progress& progress
   if (!data) return data.error();
   Scene scene;
   scene.data = *std::move(data);
+  scene.facts = mesh_facts(scene.mesh());
   return scene;
 }
 
@@ -73,12 +77,13 @@ Outcome<Scene> open_builtin(const std::string& spec, std::uint64_t seed) {
   if (!data) return usage(data.message());
   Scene scene;
   scene.data = *std::move(data);
+  scene.facts = mesh_facts(scene.mesh());
   return scene;
 }
 
-Outcome<Scene> open_any(const std::string& argument, std::uint64_t seed, const Progress& progress) {
+Outcome<Scene> open_any(const std::string& argument, std::uint64_t seed, const Progress& progress, MeshUse use) {
   if (argument.starts_with(kBuiltin)) return open_builtin(argument, seed);
-  if (argument.ends_with(".accel")) return open_accel_file(argument);
+  if (argument.ends_with(".accel")) return open_accel_file(argument, use);
   return open_scene_file(argument, progress);
 }
 
@@ -120,12 +125,11 @@ Outcome<CameraDescription> find_camera(const Scene& scene, const std::string& ar
 
 }  // namespace
 
-Outcome<Scene> open_scene(const std::string& argument, std::uint64_t seed, const Progress& progress) {
+Outcome<Scene> open_scene(const std::string& argument, std::uint64_t seed, const Progress& progress, MeshUse use) {
   const auto start = std::chrono::steady_clock::now();
-  auto scene = open_any(argument, seed, progress);
+  auto scene = open_any(argument, seed, progress, use);
   if (!scene) return scene;
   scene->name = argument;
-  scene->facts = mesh_facts(scene->mesh());
   scene->title =
       argument.starts_with(kBuiltin) ? argument.substr(kBuiltin.size()) : std::filesystem::path(argument).filename().string();
   scene->load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -21,18 +21,22 @@ struct StoredStructure {
 };
 
 struct Scene {
-  std::string name;   // as the user gave it
-  std::string title;  // for headings: the file's name without its folder
-  SceneData data;
-  MeshFacts facts;
+  std::string name;                       // as the user gave it
+  std::string title;                      // for headings: the file's name without its folder
+  SceneData data;                         // without a mesh, where none is needed
+  MeshFacts facts;                        // of the mesh, in any case
   std::optional<StoredStructure> stored;  // of a .accel file
   double load_seconds = 0;
 
   const TriangleMesh& mesh() const { return data.mesh; }
 };
 
+// Whether a program is going to look at triangles. If not, those of a structure file are not even read.
+enum class MeshUse : bool { none, reads };
+
 // Opens what a SCENE argument names. A built-in scene's unknown name is a usage error, everything else an input error.
-Outcome<Scene> open_scene(const std::string& argument, std::uint64_t seed, const Progress& progress);
+Outcome<Scene> open_scene(const std::string& argument, std::uint64_t seed, const Progress& progress,
+                          MeshUse use = MeshUse::reads);
 
 // The camera that --camera chooses: ten numbers, the name or the number of one of the scene's, or by default its first or the
 // one that its box suggests. Unknown names are usage errors.

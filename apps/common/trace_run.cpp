@@ -29,7 +29,7 @@ class TraceRun {
   Outcome<TraceReport> run() {
     describe_scene();
     describe_skipped_triangles();
-    terminal_.detail("loaded " + scene_.name + ": " + counted(scene_.mesh().size(), "triangle") + " in " +
+    terminal_.detail("loaded " + scene_.name + ": " + counted(scene_.facts.triangles, "triangle") + " in " +
                      seconds_text(scene_.load_seconds));
     auto set = prepare_methods(scene_, settings_, bar_, report_.skipped);
     if (!set) return set.failure();
@@ -53,7 +53,7 @@ class TraceRun {
  private:
   void describe_scene() {
     report_.scene = scene_.name;
-    report_.triangles = scene_.mesh().size();
+    report_.triangles = scene_.facts.triangles;
     report_.facts = scene_.facts;
     report_.load_seconds = scene_.load_seconds;
     report_.threads = settings_.common.threads > 0 ? settings_.common.threads : tbb::info::default_concurrency();
@@ -273,6 +273,13 @@ class TraceRun {
   std::size_t witness_structure_ = 0;
 };
 
+// A structure file need not give its triangles for rays that come from elsewhere and hits that nobody checks.
+MeshUse mesh_use(const TraceSettings& settings) {
+  const bool reads = settings.check != Check::none || !settings.image.empty() ||
+                     std::any_of(settings.ray_kinds.begin(), settings.ray_kinds.end(), rays_need_mesh);
+  return reads ? MeshUse::reads : MeshUse::none;
+}
+
 }  // namespace
 
 Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar) {
@@ -283,7 +290,7 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& te
     device = *found;
   }
   bar.begin("loading " + settings.scene);
-  auto scene = open_scene(settings.scene, settings.common.seed, bar.callback());
+  auto scene = open_scene(settings.scene, settings.common.seed, bar.callback(), mesh_use(settings));
   if (!scene) return scene.failure();
   return TraceRun(settings, terminal, bar, *std::move(scene), std::move(device)).run();
 }

@@ -83,12 +83,26 @@ Status read_sections(const AccelFile& file, AccelMetadata& metadata) {
 void write_sections(AccelFileWriter& writer, const TriangleMesh& mesh) {
   writer.add("mesh.vertices", mesh.vertices);
   writer.add("mesh.triangles", mesh.triangles);
+  writer.add_value("mesh.facts", mesh_facts(mesh));
 }
 
 Status read_sections(const AccelFile& file, TriangleMesh& mesh) {
   if (Status status = take_section(file, "mesh.vertices", mesh.vertices); !status) return status;
   if (Status status = take_section(file, "mesh.triangles", mesh.triangles); !status) return status;
   return in_file(file, validate(mesh));
+}
+
+Status read_sections(const AccelFile& file, MeshFacts& facts) {
+  const Result<MeshFacts> stored = file.value<MeshFacts>("mesh.facts");
+  if (!stored) return stored.error();
+  const std::uint64_t triangles = triangle_count(file);
+  const bool all_skipped = stored->zero_area <= triangles && stored->out_of_range == triangles - stored->zero_area;
+  const bool adds_up = stored->triangles == triangles && stored->zero_area <= triangles &&
+                       stored->out_of_range <= triangles - stored->zero_area && stored->bounds.empty() == all_skipped;
+  if (!adds_up || !(all_skipped || is_in_range({stored->bounds.lo, stored->bounds.hi, stored->bounds.hi})))
+    return file.error("mesh.facts", "cannot be what the mesh contains");
+  facts = *stored;
+  return Done{};
 }
 
 std::uint64_t triangle_count(const AccelFile& file) { return file.count("mesh.triangles"); }

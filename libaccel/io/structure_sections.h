@@ -1,9 +1,10 @@
-// What a structure file holds: metadata, the mesh, and the arrays of one structure.
+// What a structure file holds: metadata, the mesh and its facts, and the arrays of one structure.
 //
 // A structure's sections are its arrays, by the names that it gives them (structure/arrays.h), and its words: "bvh2.nodes",
 // "bvh2.words". So there is nothing to add here for a new structure.
 // Readers validate all that they read: what they return is as safe to traverse as what a builder made. The mesh is read only
-// when it is asked for; tracing without checks never touches its pages.
+// when it is asked for: facts and structures are read without touching its pages, so that a program which only traces never
+// does.
 //
 // Errors are the container's (io/accel_file.h) and those of validate() of the structure.
 #pragma once
@@ -15,6 +16,7 @@
 
 #include "libaccel/core/camera_description.h"
 #include "libaccel/core/light_description.h"
+#include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/geometry/triangle_mesh.h"
 #include "libaccel/io/accel_file.h"
 #include "libaccel/structure/arrays.h"
@@ -47,10 +49,12 @@ inline Status in_file(const AccelFile& file, const Status& status) {
 }
 
 void write_sections(AccelFileWriter& writer, const AccelMetadata& metadata);
+// The mesh, and its facts.
 void write_sections(AccelFileWriter& writer, const TriangleMesh& mesh);
 
 Status read_sections(const AccelFile& file, AccelMetadata& metadata);
 Status read_sections(const AccelFile& file, TriangleMesh& mesh);
+Status read_sections(const AccelFile& file, MeshFacts& facts);
 
 // The number of triangles of the file's mesh, without touching it.
 std::uint64_t triangle_count(const AccelFile& file);

@@ -87,6 +87,54 @@ TEST_F(StructureSectionsTest, Bvh2ComesBack) {
   EXPECT_FALSE(read<TriangleList>(*file));
 }
 
+// A file whose mesh is damaged shows who touches it: reading facts and structures does not.
+TEST_F(StructureSectionsTest, OnlyReadingTheMeshTouchesIt) {
+  TriangleMesh mesh = grid_mesh(20);
+  mesh.triangles[7] = {1, 1, 2};
+  const Bvh2 bvh = build(mesh);
+  ASSERT_TRUE(save_accel(path(), {}, mesh, bvh));
+  std::string bytes = contents(path());
+  for (const auto& array : {std::as_bytes(mesh.vertices.span()), std::as_bytes(mesh.triangles.span())}) {
+    const std::size_t at = bytes.find({reinterpret_cast<const char*>(array.data()), array.size()});
+    ASSERT_NE(at, std::string::npos);
+    bytes[at] ^= 1;
+  }
+  file("a.accel", bytes);
+
+  const Result<AccelFile> file = AccelFile::open(path());
+  ASSERT_TRUE(file) << file.message();
+  EXPECT_EQ(triangle_count(*file), mesh.size());
+  EXPECT_TRUE(read<AccelMetadata>(*file));
+  EXPECT_TRUE(read<Bvh2>(*file));
+  const Result<MeshFacts> facts = read<MeshFacts>(*file);
+  ASSERT_TRUE(facts) << facts.message();
+  EXPECT_EQ(facts->triangles, mesh.size());
+  EXPECT_EQ(facts->zero_area, 1u);
+  EXPECT_EQ(facts->bounds.lo, mesh_facts(mesh).bounds.lo);
+  EXPECT_EQ(facts->bounds.hi, mesh_facts(mesh).bounds.hi);
+  EXPECT_FALSE(read<TriangleMesh>(*file));
+}
+
+TEST_F(StructureSectionsTest, FactsThatCannotBeAreRefused) {
+  const TriangleMesh mesh = grid_mesh(4);
+  const MeshFacts good = mesh_facts(mesh);
+  const Aabb wide{{0, 0, 0}, {INFINITY, 1, 1}}, unknown{{0, 0, 0}, {NAN, 1, 1}};
+  const MeshFacts bad[] = {{1, 0, 0, good.bounds},
+                           {good.triangles, good.triangles + 1, 0, good.bounds},
+                           {good.triangles, 1, good.triangles, good.bounds},
+                           {good.triangles, 0, 0, Aabb{}},
+                           {good.triangles, good.triangles, 0, good.bounds},
+                           {good.triangles, 0, 0, wide},
+                           {good.triangles, 0, 0, unknown}};
+  for (const MeshFacts& facts : bad) {
+    AccelFileWriter writer;
+    writer.add("mesh.triangles", mesh.triangles);
+    writer.add_value("mesh.facts", facts);
+    ASSERT_TRUE(writer.write(path()));
+    EXPECT_FALSE(read<MeshFacts>(*AccelFile::open(path())));
+  }
+}
+
 // With its optional arrays and without.
 TEST_F(StructureSectionsTest, KdTreeComesBack) {
   const TriangleMesh mesh = grid_mesh(20);
@@ -172,7 +220,7 @@ TEST_F(StructureSectionsTest, ChangedBytesAreFound) {
   const std::string good = contents(path());
   const auto reads = [&](const fs::path& name) {
     const Result<AccelFile> file = AccelFile::open(name);
-    return file && read<AccelMetadata>(*file) && read<TriangleMesh>(*file) && read<Bvh2>(*file);
+    return file && read<AccelMetadata>(*file) && read<TriangleMesh>(*file) && read<MeshFacts>(*file) && read<Bvh2>(*file);
   };
   ASSERT_TRUE(reads(path()));
   for (std::size_t i = 0; i < good.size(); i += 5) {
