@@ -191,6 +191,23 @@ Status write_npy(const std::filesystem::path& path, std::string_view descr, cons
   return file->commit();
 }
 
+// A file whose header has been read.
+struct NpyFile {
+  std::string name;
+  std::shared_ptr<MappedFile> mapping;
+  NpyHeader header;
+
+  const std::byte* data() const { return mapping->bytes().data() + header.size_bytes; }
+
+  static Result<NpyFile> open(const std::filesystem::path& path) {
+    Result<std::shared_ptr<MappedFile>> mapping = MappedFile::open(path);
+    if (!mapping) return mapping.error();
+    Result<NpyHeader> header = parse_header((*mapping)->bytes(), path.string());
+    if (!header) return header.error();
+    return NpyFile{path.string(), *std::move(mapping), *std::move(header)};
+  }
+};
+
 }  // namespace
 
 Status write_rays_npy(const std::filesystem::path& path, std::span<const Ray> rays) {
@@ -202,19 +219,16 @@ Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hi
 }
 
 Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path) {
-  const Result<std::shared_ptr<MappedFile>> file = MappedFile::open(path);
+  const Result<NpyFile> file = NpyFile::open(path);
   if (!file) return file.error();
-  const std::span<const std::byte> bytes = (*file)->bytes();
-  const std::string name = path.string();
-  const Result<NpyHeader> header = parse_header(bytes, name);
-  if (!header) return header.error();
+  const auto& [name, mapping, header] = *file;
 
-  const std::vector<std::uint64_t>& shape = header->shape;
+  const std::vector<std::uint64_t>& shape = header.shape;
   if (shape.size() != 2 || (shape[1] != 8 && shape[1] != 6))
     return Error{name + ": rays need shape (N, 8) (org, t_min, dir, t_max) or (N, 6) (org, dir), not " + shape_text(shape)};
-  const std::optional<FloatMatrix> matrix = FloatMatrix::make(*header, bytes.data() + header->size_bytes);
-  if (!matrix) return Error{name + ": rays need the type float32 or float64, not " + header->descr.substr(0, 80)};
-  if (Status status = check_size(*header, bytes.size(), shape[1] * matrix->number_bytes(), name); !status)
+  const std::optional<FloatMatrix> matrix = FloatMatrix::make(header, file->data());
+  if (!matrix) return Error{name + ": rays need the type float32 or float64, not " + header.descr.substr(0, 80)};
+  if (Status status = check_size(header, mapping->bytes().size(), shape[1] * matrix->number_bytes(), name); !status)
     return status.error();
 
   const bool with_interval = shape[1] == 8;
@@ -230,20 +244,17 @@ Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path) {
 }
 
 Result<Buffer<Hit>> read_hits_npy(const std::filesystem::path& path) {
-  const Result<std::shared_ptr<MappedFile>> file = MappedFile::open(path);
+  const Result<NpyFile> file = NpyFile::open(path);
   if (!file) return file.error();
-  const std::span<const std::byte> bytes = (*file)->bytes();
-  const std::string name = path.string();
-  const Result<NpyHeader> header = parse_header(bytes, name);
-  if (!header) return header.error();
+  const auto& [name, mapping, header] = *file;
 
-  if (header->shape.size() != 1) return Error{name + ": hits need shape (N,), not " + shape_text(header->shape)};
-  if (header->descr != kHitFields)
-    return Error{name + ": hits need the type " + std::string(kHitFields) + ", not " + header->descr.substr(0, 80)};
-  if (Status status = check_size(*header, bytes.size(), sizeof(Hit), name); !status) return status.error();
+  if (header.shape.size() != 1) return Error{name + ": hits need shape (N,), not " + shape_text(header.shape)};
+  if (header.descr != kHitFields)
+    return Error{name + ": hits need the type " + std::string(kHitFields) + ", not " + header.descr.substr(0, 80)};
+  if (Status status = check_size(header, mapping->bytes().size(), sizeof(Hit), name); !status) return status.error();
 
-  Buffer<Hit> hits(header->shape[0]);
-  if (!hits.empty()) std::memcpy(hits.data(), bytes.data() + header->size_bytes, hits.size_bytes());
+  Buffer<Hit> hits(header.shape[0]);
+  if (!hits.empty()) std::memcpy(hits.data(), file->data(), hits.size_bytes());
   return hits;
 }
 

@@ -23,23 +23,10 @@ Status validate_axis(const GridFrame& frame, int axis) {
   return Done{};
 }
 
-Status validate_triangles(const Buffer<PackedTriangle>& triangles, std::uint64_t triangle_count) {
-  if (triangles.size() > kLastReference)
-    return Error{"there are " + std::to_string(triangles.size()) + " slots, more than the 31 bits of a reference can name"};
-  for (std::size_t slot = 0; slot < triangles.size(); ++slot)
-    if (triangles[slot].prim_id() >= triangle_count)
-      return Error{"slot " + std::to_string(slot) + " holds triangle " + std::to_string(triangles[slot].prim_id()) +
-                   ", but there are " + std::to_string(triangle_count)};
-  return Done{};
-}
-
 // Passes over the run that starts at `first`; returns the index behind it, or an error.
 Result<std::uint64_t> end_of_run(const ReferenceLeaves& leaves, std::uint64_t first) {
   for (std::uint64_t i = first; i < leaves.references.size(); ++i) {
     const std::uint32_t reference = leaves.references[i];
-    if (slot_of(reference) >= leaves.triangles.size())
-      return Error{"reference " + std::to_string(i) + " names slot " + std::to_string(slot_of(reference)) + ", but there are " +
-                   std::to_string(leaves.triangles.size())};
     if (is_last(reference)) return i + 1;
     if (i + 1 < leaves.references.size() && slot_of(leaves.references[i + 1]) <= reference)
       return Error{"the slots of the leaf at reference " + std::to_string(first) + " do not ascend"};
@@ -77,9 +64,7 @@ Status validate(const Grid& grid, std::uint64_t triangle_count) {
   if (cells > kMaxGridCells || cells != grid.cells.size())
     return Error{"there are " + std::to_string(grid.cells.size()) + " cells, but the resolution asks for " +
                  std::to_string(cells)};
-  if (grid.leaves.references.size() >= kEmptyLeaf)
-    return Error{"there are " + std::to_string(grid.leaves.references.size()) + " references, more than 32 bits can name"};
-  if (Status status = validate_triangles(grid.leaves.triangles, triangle_count); !status) return status;
+  if (Status status = validate(grid.leaves, triangle_count); !status) return status;
   return validate_cells(grid);
 }
 

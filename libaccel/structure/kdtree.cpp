@@ -17,23 +17,6 @@ Error count_error(const char* what, std::uint64_t found, std::uint64_t stated) {
 bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool same_box(const Aabb& a, const Aabb& b) { return a.lo == b.lo && a.hi == b.hi; }
 
-// The leaves' triangles and references, without the tree above.
-Status check_leaves(const ReferenceLeaves& leaves, std::uint64_t triangle_count) {
-  if (leaves.triangles.size() >= kLastReference || leaves.references.size() >= kEmptyLeaf)
-    return Error{"more triangles or references than links can name"};
-  for (std::size_t slot = 0; slot < leaves.triangles.size(); ++slot)
-    if (leaves.triangles[slot].prim_id() >= triangle_count)
-      return Error{"slot " + std::to_string(slot) + " holds triangle " + std::to_string(leaves.triangles[slot].prim_id()) +
-                   ", but there are " + std::to_string(triangle_count)};
-  for (std::size_t i = 0; i < leaves.references.size(); ++i)
-    if (slot_of(leaves.references[i]) >= leaves.triangles.size())
-      return Error{"reference " + std::to_string(i) + " names slot " + std::to_string(slot_of(leaves.references[i])) +
-                   ", but there are " + std::to_string(leaves.triangles.size())};
-  if (!leaves.references.empty() && !is_last(leaves.references[leaves.references.size() - 1]))
-    return Error{"the last leaf has no end"};
-  return Done{};
-}
-
 // Follows all nodes from the root, with their cells. Iterative: a hostile file may be a chain of a billion nodes.
 class Walk {
  public:
@@ -178,7 +161,7 @@ Status check_sizes(const KdTree& tree) {
 Status validate(const KdTree& tree, std::uint64_t triangle_count) {
   if (tree.nodes.empty()) return check_empty(tree);
   if (Status status = check_sizes(tree); !status) return status;
-  if (Status status = check_leaves(tree.leaves, triangle_count); !status) return status;
+  if (Status status = validate(tree.leaves, triangle_count); !status) return status;
   Walk walk(tree);
   if (Status status = walk.run(); !status) return status;
   return walk.check_ropes();

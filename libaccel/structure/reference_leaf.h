@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "libaccel/core/buffer.h"
+#include "libaccel/core/result.h"
 #include "libaccel/geometry/packed_triangle.h"
 
 namespace accel {
@@ -34,5 +35,9 @@ struct ReferenceLeaves {
   }
   ReferenceLeavesView view() const { return {triangles.data(), references.data()}; }
 };
+
+// Proves that slots, references and the triangles that they name are within range, and that the last leaf has an end: so a
+// traversal that starts anywhere stays in the arrays. Which runs belong to which cells is the structure's to check.
+Status validate(const ReferenceLeaves& leaves, std::uint64_t triangle_count);
 
 }  // namespace accel
