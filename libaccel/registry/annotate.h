@@ -2,16 +2,21 @@
 //
 // A structure with such arrays declares them, and the build layer has a function that adds them:
 //
-//   static constexpr Extras kExtras[] = {...};        // of an enumeration of its own
-//   static constexpr const char* extras_name(Extras);
+//   static constexpr Extras kExtras[] = {...};            // of an enumeration of its own
+//   static constexpr const char* extras_name(Extras);     // a plural
 //   bool has(Extras) const;
-//   void add_extras(Structure&, Extras);              // may throw std::bad_alloc
+//   Status add_extras(Structure&, Extras, BuildReport&);  // may throw std::bad_alloc; may add notes to the report
 //
-// A traverser declares what it reads: `static constexpr Extras kNeeds = ...`, one of the structure's.
+// A traverser declares what it reads: `static constexpr Extras kNeeds = ...`, one of the structure's, or an array of several.
+//
+// Extras may exclude each other: adding one then takes another away (the links of structure/bvh2.h). A structure that is bound
+// to a method gets what the method reads and may lose what it does not, in its own copies of the arrays that change: handles
+// that share the structure with other methods keep theirs.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <new>
 #include <string>
 #include <utility>
@@ -20,6 +25,7 @@
 #include <tbb/task_arena.h>
 
 #include "libaccel/build/builder.h"
+#include "libaccel/build/bvh2_extras.h"
 #include "libaccel/build/kdtree_extras.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/core/threads.h"
@@ -35,7 +41,9 @@ concept HasExtras = requires(const Structure& structure) {
 // Whether a traverser reads an optional array of its structure.
 template <class Traverser, class Extras>
 constexpr bool needs(Extras extras) {
-  if constexpr (requires { Traverser::kNeeds; })
+  if constexpr (requires { std::begin(Traverser::kNeeds); })
+    return std::find(std::begin(Traverser::kNeeds), std::end(Traverser::kNeeds), extras) != std::end(Traverser::kNeeds);
+  else if constexpr (requires { Traverser::kNeeds; })
     return Traverser::kNeeds == extras;
   else
     return false;
@@ -51,6 +59,32 @@ bool lacks_extras(const Structure& structure) {
     return false;
 }
 
+namespace detail {
+
+// Adds one, as a phase of the report.
+template <class Structure, class Extras>
+Status add_timed(Structure& structure, Extras extras, const std::string& method, BuildReport& report) {
+  const std::string name = Structure::extras_name(extras);
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    if (const Status status = add_extras(structure, extras, report); !status) return status;
+  } catch (const std::bad_alloc&) {
+    return Error{"out of memory while adding " + name + " for " + method};
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.phases.push_back({name, seconds});
+  report.seconds += seconds;
+  report.peak_bytes = std::max<std::uint64_t>(report.peak_bytes, structure.size_bytes());
+  report.notes.push_back({name, "added, because " + method + " reads them"});
+  return Done{};
+}
+
+inline void forget_notes(BuildReport& report, const std::string& what) {
+  std::erase_if(report.notes, [&](const BuildNote& note) { return note.what == what; });
+}
+
+}  // namespace detail
+
 // Adds what `method`, whose traverser this is, reads and the structure lacks: each a phase and a note of the report. What it
 // does not read is noted as skipped, unless it is there; so is what the traverser itself does without.
 template <class Traverser, class Structure>
@@ -58,28 +92,19 @@ Status annotate(Structure& structure, const std::string& method, int threads, Bu
   if constexpr (HasExtras<Structure>) {
     tbb::task_arena arena(arena_size(threads));
     for (const auto extras : Structure::kExtras) {
-      const std::string name = Structure::extras_name(extras);
+      if (!needs<Traverser>(extras) || structure.has(extras)) continue;
+      detail::forget_notes(report, Structure::extras_name(extras));
+      const Status status = arena.execute([&] { return detail::add_timed(structure, extras, method, report); });
+      if (!status) return status;
+    }
+    for (const auto extras : Structure::kExtras) {
       if (structure.has(extras)) continue;
-      std::erase_if(report.notes, [&](const BuildNote& note) { return note.what == name; });  // another method's
-      if (!needs<Traverser>(extras)) {
-        report.notes.push_back({name, "skipped, because " + method + " does not read them"});
-        continue;
-      }
-      const auto start = std::chrono::steady_clock::now();
-      try {
-        arena.execute([&] { add_extras(structure, extras); });
-      } catch (const std::bad_alloc&) {
-        return Error{"out of memory while adding " + name + " for " + method};
-      }
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      report.phases.push_back({name, seconds});
-      report.seconds += seconds;
-      report.peak_bytes = std::max<std::uint64_t>(report.peak_bytes, structure.size_bytes());
-      report.notes.push_back({name, "added, because " + method + " reads them"});
+      detail::forget_notes(report, Structure::extras_name(extras));  // another method's
+      report.notes.push_back({Structure::extras_name(extras), "skipped, because " + method + " does not read them"});
     }
   }
   if constexpr (requires { Traverser::kSkips; }) {
-    std::erase_if(report.notes, [](const BuildNote& note) { return note.what == Traverser::kSkips.what; });
+    detail::forget_notes(report, Traverser::kSkips.what);
     report.notes.push_back({Traverser::kSkips.what, Traverser::kSkips.why});
   }
   return Done{};

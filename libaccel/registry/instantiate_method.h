@@ -23,42 +23,63 @@ auto view_of(const AnyStructure& any) {
   return structure->view();
 }
 
+// run(view, std::type_identity<T>{}) with the method's traverser that serves the structure best.
+template <class Method, class Traverser, class Run>
+auto run_on(const AnyStructure& structure, const Run& run) {
+  const auto view = view_of<Method>(structure);
+  return with_traverser<Traverser>(view, [&](auto traverser) { return run(view, traverser); });
+}
+
 template <class Method, class Test>
-TestEntry make_test_entry() {
+struct TestFunctions {
   using Closest = typename Method::template Traverser<Test, Query::closest>;
   using Any = typename Method::template Traverser<Test, Query::any>;
-  TestEntry entry;
-  entry.closest = [](const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
-    trace_closest<Closest>(view_of<Method>(s), rays, hits, threads);
-  };
-  entry.occluded = [](const AnyStructure& s, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
-    trace_any<Any>(view_of<Method>(s), rays, occluded, threads);
-  };
-  entry.closest_one = [](const AnyStructure& s, const Ray& ray) {
+
+  // The same for one of the two queries.
+  template <class Run>
+  static auto run_query(const AnyStructure& structure, Query query, const Run& run) {
+    return query == Query::closest ? run_on<Method, Closest>(structure, run) : run_on<Method, Any>(structure, run);
+  }
+
+  static void closest(const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
+    run_on<Method, Closest>(
+        s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_closest<T>(view, rays, hits, threads); });
+  }
+  static void occluded(const AnyStructure& s, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
+    run_on<Method, Any>(s,
+                        [&]<class T>(const auto& view, std::type_identity<T>) { trace_any<T>(view, rays, occluded, threads); });
+  }
+  static Hit closest_one(const AnyStructure& s, const Ray& ray) {
     NullObserver observer;
-    return trace_ray<Closest>(view_of<Method>(s), ray, observer);
-  };
-  entry.occluded_one = [](const AnyStructure& s, const Ray& ray) {
+    return run_on<Method, Closest>(
+        s, [&]<class T>(const auto& view, std::type_identity<T>) { return trace_ray<T>(view, ray, observer); });
+  }
+  static bool occluded_one(const AnyStructure& s, const Ray& ray) {
     NullObserver observer;
-    return trace_ray<Any>(view_of<Method>(s), ray, observer).valid();
-  };
-  entry.count = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> values, int threads,
-                   RayCounter counter) {
-    return query == Query::closest ? count_rays<Closest>(view_of<Method>(s), rays, values, threads, counter)
-                                   : count_rays<Any>(view_of<Method>(s), rays, values, threads, counter);
-  };
-  entry.simt = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
-                  const SimtOptions& options, int threads) {
-    return query == Query::closest ? simulate_simt<Closest>(view_of<Method>(s), rays, hits, options, threads)
-                                   : simulate_simt<Any>(view_of<Method>(s), rays, hits, options, threads);
-  };
-  entry.multipass = [](const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
-                       const MultipassOptions& options, int threads) {
-    return query == Query::closest ? trace_multipass<Closest>(view_of<Method>(s), rays, hits, options, threads)
-                                   : trace_multipass<Any>(view_of<Method>(s), rays, hits, options, threads);
-  };
-  return entry;
-}
+    return run_on<Method, Any>(
+        s, [&]<class T>(const auto& view, std::type_identity<T>) { return trace_ray<T>(view, ray, observer).valid(); });
+  }
+  static Counters count(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
+                        int threads, RayCounter counter) {
+    return run_query(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
+      return count_rays<T>(view, rays, values, threads, counter);
+    });
+  }
+  static SimtProfile simt(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
+                          const SimtOptions& options, int threads) {
+    return run_query(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
+      return simulate_simt<T>(view, rays, hits, options, threads);
+    });
+  }
+  static MultipassProfile multipass(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
+                                    const MultipassOptions& options, int threads) {
+    return run_query(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
+      return trace_multipass<T>(view, rays, hits, options, threads);
+    });
+  }
+
+  static constexpr TestEntry entry() { return {closest, occluded, closest_one, occluded_one, count, simt, multipass}; }
+};
 
 template <class Method>
 Status check_structure(const AnyStructure& structure, const MethodInfo& info) {
@@ -103,7 +124,7 @@ MethodEntry make_method_entry() {
   entry.annotate = detail::annotate_structure<Method>;
   std::size_t i = 0;
   TriangleTests::for_each(
-      [&](auto test) { entry.tests[i++] = detail::make_test_entry<Method, typename decltype(test)::type>(); });
+      [&](auto test) { entry.tests[i++] = detail::TestFunctions<Method, typename decltype(test)::type>::entry(); });
   return entry;
 }
 

@@ -14,7 +14,13 @@
 #include "libaccel/core/type_list.h"
 #include "libaccel/registry/method.h"
 #include "libaccel/trace/brute_force.h"
+#include "libaccel/trace/bvh2_hash.h"
+#include "libaccel/trace/bvh2_parent.h"
+#include "libaccel/trace/bvh2_restart_trail.h"
+#include "libaccel/trace/bvh2_sibling.h"
+#include "libaccel/trace/bvh2_skip.h"
 #include "libaccel/trace/bvh2_stack.h"
+#include "libaccel/trace/bvh2_uncle.h"
 #include "libaccel/trace/grid_dda.h"
 #include "libaccel/trace/kdtree_backtrack.h"
 #include "libaccel/trace/kdtree_restart.h"
@@ -28,6 +34,13 @@ using Methods = TypeList<                 //
     Method<ListBuilder, BruteForce>,      // brute/loop
     Method<BinnedSah, Bvh2Stack>,         // bvh/stack
     Method<Sbvh, Bvh2Stack>,              // sbvh/stack
+    Method<Sbvh, Bvh2Hash>,               // sbvh/hash
+    Method<Sbvh, Bvh2Uncle>,              // sbvh/uncle
+    Method<Sbvh, Bvh2Sibling>,            // sbvh/sibling
+    Method<Sbvh, Bvh2Parent>,             // sbvh/parent
+    Method<Sbvh, Bvh2RestartTrail>,       // sbvh/restart-trail
+    Method<Sbvh, Bvh2Skip>,               // sbvh/skip
+    Method<Sbvh, Bvh2SkipOctant>,         // sbvh/skip-octant
     Method<GridBuilder, GridDda>,         // grid/dda
     Method<KdTreeSah, KdTreeStack>,       // kdtree/stack
     Method<KdTreeSah, KdTreeRestart>,     // kdtree/restart

@@ -1,9 +1,11 @@
 #include "libaccel/structure/bvh2.h"
 
 #include <algorithm>
+#include <bit>
 #include <string>
 #include <vector>
 
+#include "libaccel/structure/bvh2_annotations.h"
 #include "libaccel/structure/leaf_scan.h"
 
 namespace accel {
@@ -77,6 +79,39 @@ class Walk {
 
 }  // namespace
 
+bool Bvh2::has(Bvh2Extras extras) const {
+  if (root == kNoNode) return true;
+  switch (extras) {
+    case Bvh2Extras::parents:
+      return links == Bvh2Links::parents;
+    case Bvh2Extras::uncles:
+      return links == Bvh2Links::uncles;
+    case Bvh2Extras::hash:
+      return hashed != HashedKeys::none;
+    case Bvh2Extras::full_hash:
+      return hashed == HashedKeys::all;
+    case Bvh2Extras::skips:
+      return nodes.empty() || !skips.empty();
+    case Bvh2Extras::octant_skips:
+      return nodes.empty() || !octant_skips.empty();
+  }
+  return false;
+}
+
+Bvh2View Bvh2::view() const {
+  Bvh2View view{nodes.data(), leaves.data(), root, depth};
+  view.skips = skips.data(), view.octant_skips = octant_skips.data();
+  view.node_count = static_cast<std::uint32_t>(nodes.size());
+  view.hash.multiplier = hash_multiplier;
+  if (displacements.empty()) return view;
+  view.hash.displacements = displacements.data(), view.hash.slots = slots.data();
+  view.hash.slot_count = static_cast<std::uint32_t>(slots.size());
+  view.hash.log2_of_buckets = static_cast<std::uint32_t>(std::countr_zero(displacements.size()));
+  view.hash.reciprocal = has_narrow_keys() ? reciprocal_of<std::uint32_t>(view.hash.slot_count)
+                                           : reciprocal_of<std::uint64_t>(view.hash.slot_count);
+  return view;
+}
+
 Status validate(const Bvh2& bvh, std::uint64_t triangle_count) {
   if (bvh.nodes.size() >= kLeafBit || bvh.leaves.size() >= kLeafBit)
     return Error{"more nodes or leaf quads than the 31 bits of a reference can name"};
@@ -86,11 +121,12 @@ Status validate(const Bvh2& bvh, std::uint64_t triangle_count) {
     return Error{"the leaves hold " + std::to_string(scan->references) + " triangles, but references is " +
                  std::to_string(bvh.references)};
   if (bvh.root == kNoNode) {
-    if (bvh.nodes.empty() && bvh.leaves.empty() && bvh.depth == 0) return Done{};
+    if (bytes_of_arrays(bvh) == 0 && bvh.depth == 0) return Done{};
     return Error{"there is no root, but there are nodes or leaves"};
   }
   if (!is_ordered(bvh.bounds)) return Error{"the box of the whole tree is inverted or NaN"};
-  return Walk(bvh, *scan).run();
+  if (Status status = Walk(bvh, *scan).run(); !status) return status;
+  return check_annotations(bvh);
 }
 
 }  // namespace accel

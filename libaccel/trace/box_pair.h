@@ -30,6 +30,7 @@ inline constexpr float kFarScale = 1.0f + 2.0f * gamma(8);
 struct BoxPairHit {
   std::uint32_t mask;  // bit c: child c is entered
   float t_near0, t_near1;
+  float t_far0, t_far1;  // where it leaves them, at the interval's end at the latest, not scaled
 };
 
 // The portable version: what it prepares once a ray, and the test.
@@ -71,7 +72,7 @@ struct ScalarBoxPairTest {
       }
     }
     const std::uint32_t mask = (enter[0] <= leave[0] * kFarScale ? 1u : 0u) | (enter[1] <= leave[1] * kFarScale ? 2u : 0u);
-    return {mask, enter[0], enter[1]};
+    return {mask, enter[0], enter[1], leave[0], leave[1]};
   }
 };
 
@@ -100,7 +101,9 @@ struct SseBoxPairTest {
     for (int a = 0; a < 3; ++a) t = _mm_max_ps(distances(node, a), t);
     const __m128 leave = _mm_mul_ps(_mm_movehl_ps(t, t), _mm_set1_ps(-kFarScale));
     const auto mask = static_cast<std::uint32_t>(_mm_movemask_ps(_mm_cmple_ps(t, leave))) & 3u;
-    return {mask, _mm_cvtss_f32(t), _mm_cvtss_f32(_mm_shuffle_ps(t, t, _MM_SHUFFLE(1, 1, 1, 1)))};
+    return {mask, _mm_cvtss_f32(t), _mm_cvtss_f32(_mm_shuffle_ps(t, t, _MM_SHUFFLE(1, 1, 1, 1))),
+            -_mm_cvtss_f32(_mm_shuffle_ps(t, t, _MM_SHUFFLE(2, 2, 2, 2))),
+            -_mm_cvtss_f32(_mm_shuffle_ps(t, t, _MM_SHUFFLE(3, 3, 3, 3)))};
   }
 
  private:

@@ -3,6 +3,9 @@
 //
 // Both children's boxes are tested at their parent; the nearer child comes next, the farther one is postponed on the stack
 // together with its entry distance, so that it can be dropped unread when a nearer hit has been found meanwhile.
+//
+// kDropPostponed switches that off: what traversers without a stack visit, which have no room for distances, is then what this
+// one visits, node by node (validation/conformance/bvh2_laws_test.cpp).
 #pragma once
 
 #include "libaccel/trace/box_pair.h"
@@ -10,8 +13,8 @@
 
 namespace accel {
 
-template <class Test, Query kQuery>
-struct Bvh2Stack {
+template <class Test, Query kQuery, bool kDropPostponed>
+struct Bvh2StackWith {
   static constexpr const char* kName = "stack";
   using View = Bvh2View;
 
@@ -77,12 +80,12 @@ struct Bvh2Stack {
   }
 
   template <class Observer>
-  ACCEL_HD static Phase backtrack(const View&, const Ray&, State& state, Hit& hit, Observer& observer) {
+  ACCEL_HD static Phase backtrack(const View&, const Ray&, State& state, [[maybe_unused]] Hit& hit, Observer& observer) {
     if (state.postponed == 0) return Phase::done;
     observer.backtrack();
     const Postponed& entry = state.stack->entries[--state.postponed];
     observer.load(Memory::stack, &entry, sizeof entry);
-    return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node, observer) : Phase::backtrack;
+    return !kDropPostponed || entry.t_near <= hit.t * kFarScale ? enter(state, entry.node, observer) : Phase::backtrack;
   }
 
  private:
@@ -95,5 +98,8 @@ struct Bvh2Stack {
     return Phase::intersect;
   }
 };
+
+template <class Test, Query kQuery>
+struct Bvh2Stack : Bvh2StackWith<Test, kQuery, true> {};
 
 }  // namespace accel

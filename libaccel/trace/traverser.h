@@ -35,6 +35,11 @@
 //                                                   // intersect() reads changes while the ray goes on
 //     static constexpr Phase kAfterLeaf = ...;      // what intersect() returns when the leaf has ended
 //
+// Specialisations. A traverser that serves all structures of its kind may have others that do the same for some of them with
+// less state, in shallow trees say (SpecialisedTraverser). Executors ask for the best one, once a batch, by with_traverser():
+//
+//     template <class Visit> static decltype(auto) specialised(const View&, Visit&&);  // visit(std::type_identity<It>{})
+//
 // During traversal hit.t is the end of the interval that is still of interest; begin_hit() and accept_hit() keep the rules that
 // all traversers share, so that all of them name the same triangle. finish_hit() turns the state into an answer.
 #pragma once
@@ -42,6 +47,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
@@ -86,6 +92,20 @@ concept SpeculativeTraverser = requires(typename Traverser::State& state) {
   { Traverser::leaf(state) } -> std::same_as<std::uint32_t&>;
   { Traverser::kAfterLeaf } -> std::convertible_to<Phase>;
 };
+
+template <class Traverser>
+concept SpecialisedTraverser = requires(const typename Traverser::View& view) {
+  Traverser::specialised(view, [](auto) {});
+};
+
+// visit(std::type_identity<T>{}) with the traverser that serves this structure best.
+template <class Traverser, class Visit>
+decltype(auto) with_traverser(const typename Traverser::View& view, Visit&& visit) {
+  if constexpr (SpecialisedTraverser<Traverser>)
+    return Traverser::specialised(view, visit);
+  else
+    return visit(std::type_identity<Traverser>{});
+}
 
 // What a load or store of a traverser touches. The SIMT model reports bytes by these classes.
 enum class Memory : std::uint8_t { node, triangle, stack, hash, ray };

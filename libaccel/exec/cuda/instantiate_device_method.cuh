@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
 #include "libaccel/exec/cuda/device_memory.cuh"
 #include "libaccel/exec/cuda/device_method.cuh"
@@ -54,9 +55,8 @@ Status launch_with(const Launch& launch, const Store& store) {
   return Done{};
 }
 
-template <class Method, class Test, Query kQuery>
-Status launch_trace(const Launch& launch) {
-  using Traverser = typename Method::template Traverser<Test, kQuery>;
+template <class Traverser, Query kQuery>
+Status launch_traverser(const Launch& launch) {
   const bool in_passes = launch.policy == LaunchPolicy::multipass;
   if constexpr (kQuery == Query::closest) {
     if (in_passes) return launch_multipass<Traverser>(launch, KeepHits{});
@@ -65,6 +65,23 @@ Status launch_trace(const Launch& launch) {
     const StoreOccluded store{launch.occluded};
     return in_passes ? launch_multipass<Traverser>(launch, store) : launch_with<Traverser>(launch, store);
   }
+}
+
+// The launch of the traverser that serves the structure best.
+template <class Traverser, Query kQuery>
+struct LaunchVisitor {
+  const Launch& launch;
+  template <class Best>
+  Status operator()(std::type_identity<Best>) const {
+    return launch_traverser<Best, kQuery>(launch);
+  }
+};
+
+template <class Method, class Test, Query kQuery>
+Status launch_trace(const Launch& launch) {
+  using Traverser = typename Method::template Traverser<Test, kQuery>;
+  return with_traverser<Traverser>(*std::any_cast<typename Traverser::View>(&launch.view),
+                                   LaunchVisitor<Traverser, kQuery>{launch});
 }
 
 template <class Traverser>

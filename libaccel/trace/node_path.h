@@ -1,0 +1,155 @@
+// Where a traversal without a stack is: the bit trail and the key of the node that it is in.
+//
+// Binder and Keller 2016 [BK16], section 2.1 and 2.2: both are shifted left on the way down. The trail's last bit says whether
+// the node's sibling has been postponed, the next whether the uncle has, and so on; the key's bits say which turns were taken.
+// Going up to the nearest postponed node is one shift of both, by the number of the trail's trailing zeros.
+//
+// Widths. NodePath serves trees as deep as its words are wide, less one. DeepPath serves trees of any depth that a builder
+// makes: when 64 bits are full, their upper half moves to memory, and it comes back when the lower half is used up. [BK16],
+// section 3, keeps the overflow of each value in memory likewise. The window never has fewer than 32 turns while there are
+// others in memory, so whoever looks at the last bits of the trail finds them.
+//
+//   void begin();
+//   void step_down(std::uint32_t side, bool postponed, std::uint64_t multiplier, Observer&);  // the hash's multiplier
+//   bool is_postponed(int level) const;   // the sibling of the ancestor `level` levels up; 0: the node's own; level < 4
+//   bool is_finished() const;             // nothing has been postponed
+//   void rise(int levels, Observer&);     // to an ancestor below which nothing is postponed any more; levels < 32
+//   bool rise_to_postponed(Observer&);    // to the node whose sibling was postponed most recently; false: there is none
+//   void cross();                         // to the sibling, which is then no longer postponed
+//
+// Traversers specialised by the depth of a tree are chosen by with_path_for().
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <type_traits>
+
+#include "libaccel/structure/bvh2.h"
+#include "libaccel/trace/traverser.h"
+
+namespace accel {
+
+// The number of trailing zeros; not of 0.
+ACCEL_HD int trailing_zeros(std::uint64_t bits) { return std::countr_zero(bits); }
+ACCEL_HD int trailing_zeros(std::uint32_t bits) { return std::countr_zero(bits); }
+
+template <class Word>
+struct NodePath {
+  // What a traverser with such a path inherits.
+  struct Traits {
+    static constexpr std::uint32_t kMaxDepth = 8 * sizeof(Word) - 1;
+  };
+
+  Word trail, key;
+
+  ACCEL_HD void begin() { trail = 0, key = 1; }
+
+  template <class Observer>
+  ACCEL_HD void step_down(std::uint32_t side, bool postponed, std::uint64_t, Observer&) {
+    trail = static_cast<Word>(trail << 1 | (postponed ? 1u : 0u));
+    key = static_cast<Word>(key << 1 | side);
+  }
+  ACCEL_HD bool is_postponed(int level) const { return (trail >> level & 1u) != 0; }
+  ACCEL_HD bool is_finished() const { return trail == 0; }
+
+  template <class Observer>
+  ACCEL_HD void rise(int levels, Observer&) {
+    trail >>= levels, key >>= levels;
+  }
+  template <class Observer>
+  ACCEL_HD bool rise_to_postponed(Observer& observer) {
+    if (trail == 0) return false;
+    rise(trailing_zeros(trail), observer);
+    return true;
+  }
+  ACCEL_HD void cross() { trail ^= 1u, key ^= 1u; }
+};
+
+struct DeepPath {
+  // The upper halves of a full window.
+  struct Half {
+    std::uint64_t prefix;
+    std::uint32_t key, trail;
+  };
+  static_assert(sizeof(Half) == 16);
+  static constexpr int kMaxHalves = 32;
+  static constexpr int kTurnsOfHalf = 31;  // of a half's bits one leads
+
+  // Addressed at run time: see trace/traverser.h.
+  struct Stack {
+    Half halves[kMaxHalves];
+  };
+  struct Traits {
+    using Stack = DeepPath::Stack;
+    static constexpr std::uint32_t kMaxDepth = kMaxDepth64 + kTurnsOfHalf * kMaxHalves;
+  };
+
+  std::uint64_t trail;
+  NodeKey key;
+  std::uint32_t halves;  // in memory
+  Stack* stack;
+
+  ACCEL_HD void begin() { trail = 0, key = NodeKey{}, halves = 0; }
+
+  template <class Observer>
+  ACCEL_HD void step_down(std::uint32_t side, bool postponed, std::uint64_t multiplier, Observer& observer) {
+    if (key.is_full()) fold(multiplier, observer);
+    trail = trail << 1 | (postponed ? 1u : 0u);
+    key.window = key.window << 1 | side;
+  }
+  ACCEL_HD bool is_postponed(int level) const { return (trail >> level & 1u) != 0; }
+  ACCEL_HD bool is_finished() const { return trail == 0 && halves == 0; }
+
+  template <class Observer>
+  ACCEL_HD void rise(int levels, Observer& observer) {
+    trail >>= levels, key.window >>= levels;
+    while (halves > 0 && key.window >> kLeastTurns == 0) unfold(observer);
+  }
+  template <class Observer>
+  ACCEL_HD bool rise_to_postponed(Observer& observer) {
+    while (trail == 0) {
+      if (halves == 0) return false;
+      const Half& half = load_half(observer);
+      trail = half.trail, key = {half.key, half.prefix};
+    }
+    rise(trailing_zeros(trail), observer);
+    return true;
+  }
+  ACCEL_HD void cross() { trail ^= 1u, key.window ^= 1u; }
+
+ private:
+  template <class Observer>
+  ACCEL_HD void fold(std::uint64_t multiplier, Observer& observer) {
+    ACCEL_ASSERT(halves < kMaxHalves);
+    Half& half = stack->halves[halves++];
+    observer.store(Memory::stack, &half, sizeof half);
+    half = {key.prefix, key.upper_half(), static_cast<std::uint32_t>(trail >> 32)};
+    key.fold(multiplier);
+    trail &= 0xffffffffu;
+  }
+  template <class Observer>
+  ACCEL_HD const Half& load_half(Observer& observer) {
+    const Half& half = stack->halves[--halves];
+    observer.load(Memory::stack, &half, sizeof half);
+    return half;
+  }
+  // The turns that are left in the window go below those that come back.
+  template <class Observer>
+  ACCEL_HD void unfold(Observer& observer) {
+    const int turns = std::bit_width(key.window) - 1;
+    const Half& half = load_half(observer);
+    const std::uint64_t below = (std::uint64_t{1} << turns) - 1;
+    trail = static_cast<std::uint64_t>(half.trail) << turns | trail;
+    key = {static_cast<std::uint64_t>(half.key) << turns | (key.window & below), half.prefix};
+  }
+};
+
+// The specialisation of a family of traversers, Family<Path>::type, that a tree needs: visit(std::type_identity<it>).
+template <template <class> class Family, class Visit>
+decltype(auto) with_path_for(const Bvh2View& view, Visit&& visit) {
+  if (view.depth <= kMaxDepth32) return visit(std::type_identity<typename Family<NodePath<std::uint32_t>>::type>{});
+  if (view.depth <= kMaxDepth64) return visit(std::type_identity<typename Family<NodePath<std::uint64_t>>::type>{});
+  return visit(std::type_identity<typename Family<DeepPath>::type>{});
+}
+
+}  // namespace accel
