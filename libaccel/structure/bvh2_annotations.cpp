@@ -57,9 +57,8 @@ Status check_hash_sizes(const Bvh2& bvh) {
   return Done{};
 }
 
-// Every key that must be there is answered by its node, and nothing else is there.
+// After the sizes: every key that must be there is answered by its node, and nothing else is there.
 Status check_hash(const Bvh2& bvh) {
-  if (Status status = check_hash_sizes(bvh); !status) return status;
   if (bvh.hashed == HashedKeys::none) return Done{};
   const Bvh2View view = bvh.view();
   const bool all = bvh.hashed == HashedKeys::all, narrow = bvh.has_narrow_keys();
@@ -112,6 +111,7 @@ Status check_skips(const Bvh2& bvh, const Buffer<std::uint32_t>& skips, std::siz
 }  // namespace
 
 Status check_annotations(const Bvh2& bvh) {
+  if (Status status = check_hash_sizes(bvh); !status) return status;  // before there can be a view
   if (Status status = check_links(bvh); !status) return status;
   if (Status status = check_hash(bvh); !status) return status;
   if (Status status = check_skips(bvh, bvh.skips, 1); !status) return status;
