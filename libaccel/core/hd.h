@@ -38,15 +38,19 @@ ACCEL_HD T load_8_bytes(const T& object) {
 #endif
 }
 
-// One of three by a run-time index: a load on the host; selects on devices, where what is indexed at run time leaves the
-// registers.
+// Whether this code is compiled for a device, where what is indexed at run time leaves the registers.
+ACCEL_HD constexpr bool is_device_code() {
+#if defined(__CUDA_ARCH__)
+  return true;
+#else
+  return false;
+#endif
+}
+
+// One of three by a run-time index: a load on the host, selects on devices.
 template <class T>
 ACCEL_HD T element_of_three(const T (&three)[3], int i) {
-#if defined(__CUDA_ARCH__)
-  return i == 0 ? three[0] : i == 1 ? three[1] : three[2];
-#else
-  return three[i];
-#endif
+  return !is_device_code() ? three[i] : i == 0 ? three[0] : i == 1 ? three[1] : three[2];
 }
 
 // Checks an invariant of the library itself in debug builds. Never used for input: input errors return a Result.

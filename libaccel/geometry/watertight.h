@@ -28,6 +28,8 @@
 // u |v_x - o_x| + gamma(4) |S_x (v_z - o_z)| + u |A_x|; validation/compare/error_bounds.h builds the judge's bounds on this.
 #pragma once
 
+#include <cmath>
+
 #include "libaccel/core/float_bounds.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
@@ -117,28 +119,32 @@ struct Watertight {
     return true;
   }
 
-  ACCEL_HD static float magnitude(float x) { return x < 0 ? -x : x; }
+  ACCEL_HD static float magnitude(float x) { return std::fabs(x); }
 
   // n . (v - org) / n . dir for the normal n and the vertex v that is nearest to the origin, which makes the distance of a
   // vertex that is the origin exactly 0; NaN or infinite where the ray is parallel to the plane.
   ACCEL_HD static double plane_distance(const PackedTriangle& triangle, const Ray& ray) {
-    const Triangle t = triangle.vertices();
-    Vec3 nearest = t.v0;
-    if (distance(t.v1, ray.org) < distance(nearest, ray.org)) nearest = t.v1;
-    if (distance(t.v2, ray.org) < distance(nearest, ray.org)) nearest = t.v2;
-
+    const int nearest = nearest_vertex(triangle, ray.org);
     double e1[3], e2[3], s[3];
     for (int a = 0; a < 3; ++a) {
-      const double v0 = t.v0[a];
-      e1[a] = t.v1[a] - v0, e2[a] = t.v2[a] - v0, s[a] = static_cast<double>(nearest[a]) - ray.org[a];
+      const PackedTriangle::Quad q = triangle.coordinate(a);
+      const double v0 = q.vertex[0];
+      e1[a] = q.vertex[1] - v0, e2[a] = q.vertex[2] - v0;
+      s[a] = static_cast<double>(element_of_three(triangle.axis[a].vertex, nearest)) - ray.org[a];
     }
     const double nx = e1[1] * e2[2] - e1[2] * e2[1], ny = e1[2] * e2[0] - e1[0] * e2[2], nz = e1[0] * e2[1] - e1[1] * e2[0];
     return (nx * s[0] + ny * s[1] + nz * s[2]) / (nx * ray.dir.x + ny * ray.dir.y + nz * ray.dir.z);
   }
 
-  // The largest difference of a coordinate.
-  ACCEL_HD static float distance(Vec3 a, Vec3 b) {
-    return max_of(max_of(magnitude(a.x - b.x), magnitude(a.y - b.y)), magnitude(a.z - b.z));
+  // The vertex whose largest difference of a coordinate is the smallest; the first of equals. Without branches, which no one
+  // could predict.
+  ACCEL_HD static int nearest_vertex(const PackedTriangle& triangle, Vec3 org) {
+    const PackedTriangle::Quad x = triangle.coordinate(0), y = triangle.coordinate(1), z = triangle.coordinate(2);
+    float d[3];
+    for (int i = 0; i < 3; ++i)
+      d[i] = max_of(max_of(magnitude(x.vertex[i] - org.x), magnitude(y.vertex[i] - org.y)), magnitude(z.vertex[i] - org.z));
+    const int of_two = d[1] < d[0] ? 1 : 0;
+    return d[2] < min_of(d[1], d[0]) ? 2 : of_two;
   }
 };
 

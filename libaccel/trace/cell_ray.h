@@ -14,6 +14,8 @@
 // are scaled by 2^64.
 #pragma once
 
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -43,23 +45,25 @@ struct CellRay {
   }
 
   // A ray's interval in distances of its cells.
-  ACCEL_HD float begin(float t_min) const { return (t_min * (1 - rounding()) - t_anchor) / t_unit; }
-  ACCEL_HD float end(float t_max) const { return (t_max * (1 + rounding()) - t_anchor) / t_unit; }
+  ACCEL_HD float begin(float t_min) const { return is_plain() ? t_min : (t_min * (1 - rounding()) - t_anchor) / t_unit; }
+  ACCEL_HD float end(float t_max) const { return is_plain() ? t_max : (t_max * (1 + rounding()) - t_anchor) / t_unit; }
 
   // A distance of cells as the ray's. Hits that are nearer than that are met before, ties included; hits that are met later are
   // no nearer.
   ACCEL_HD float ray_t(float t) const { return t_anchor + t_unit * t; }
 
   ACCEL_HD float crossing(int axis, float plane) const {
-    return (plane - element_of_three(org, axis)) * element_of_three(inv_dir, axis);
+    if (is_device_code()) return (plane - element_of_three(org, axis)) * element_of_three(inv_dir, axis);
+    // GCC keeps the whole state in memory when a reference to an array in it is indexed at run time, so not by reference.
+    return (plane - org[axis]) * inv_dir[axis];
   }
 
   // 1 where the ray runs towards smaller coordinates, else 0.
   ACCEL_HD std::uint32_t backwards(int axis) const { return backwards_axes >> axis & 1u; }
 
   // The faces through which the ray enters and leaves boxes.
-  ACCEL_HD float entry_face(const Aabb& box, int axis) const { return backwards(axis) != 0 ? box.hi[axis] : box.lo[axis]; }
-  ACCEL_HD float exit_face(const Aabb& box, int axis) const { return backwards(axis) != 0 ? box.lo[axis] : box.hi[axis]; }
+  ACCEL_HD float entry_face(const Aabb& box, int axis) const { return either(box.lo[axis], box.hi[axis], backwards(axis)); }
+  ACCEL_HD float exit_face(const Aabb& box, int axis) const { return either(box.hi[axis], box.lo[axis], backwards(axis)); }
 
   // Where the ray enters a box, t_begin at the earliest, and where it leaves a box that it is in, t_end at the latest. A face
   // that contains the ray (NaN) ends nothing.
@@ -73,12 +77,22 @@ struct CellRay {
   }
 
  private:
+  // Distances are the ray's own.
+  ACCEL_HD bool is_plain() const { return t_anchor == 0 && t_unit == 1; }
+
+  // The first for 0, the second for 1. Without a branch, since the directions of incoherent rays are anyone's guess.
+  ACCEL_HD static float either(float first, float second, std::uint32_t which) {
+    const auto a = std::bit_cast<std::uint32_t>(first), b = std::bit_cast<std::uint32_t>(second);
+    return std::bit_cast<float>(a ^ ((a ^ b) & (0u - which)));
+  }
+
   ACCEL_HD static float inverse(float dir) { return dir == 0 ? std::numeric_limits<float>::infinity() : 1.0f / dir; }
   ACCEL_HD static std::uint32_t backwards_axes_of(Vec3 dir) {
     return (dir.x < 0 ? 1u : 0u) | (dir.y < 0 ? 2u : 0u) | (dir.z < 0 ? 4u : 0u);
   }
-  ACCEL_HD static float largest_magnitude(Vec3 v) { return magnitude(v[largest_axis(v)]); }
-  ACCEL_HD static float magnitude(float x) { return x < 0 ? -x : x; }
+  ACCEL_HD static float largest_magnitude(Vec3 v) {
+    return largest_component({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  }
 
   // Hits round to the float next to their distance, those of Moeller and Trumbore's test some floats further; beside an anchor,
   // which is far from the origin, that may be beyond the padding.
