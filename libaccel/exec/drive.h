@@ -8,7 +8,7 @@ namespace accel {
 template <class Traverser, class Observer>
 ACCEL_HD Hit trace_ray(const typename Traverser::View& view, const Ray& ray, Observer& observer) {
   StackOf<Traverser> stack;
-  typename Traverser::State state;
+  typename Traverser::State state{};  // compilers cannot see that a query that ends in begin() reads none of it
   attach_stack<Traverser>(state, stack);
   Hit hit;
   Phase phase = Traverser::begin(view, ray, state, hit, observer);
