@@ -50,8 +50,9 @@ class Layout {
         if (!child.is_leaf()) below[size++] = Waiting(child, part_of(next.cell, next.node, side));
       }
     }
-    std::sort(below, below + size, is_smaller);
-    waiting_.insert(waiting_.end(), below, below + size);
+    const auto others = static_cast<std::ptrdiff_t>(waiting_.size());
+    for (std::size_t i = 0; i < size; ++i)
+      waiting_.insert(std::upper_bound(waiting_.begin() + others, waiting_.end(), below[i], is_smaller), below[i]);
   }
 
   const std::vector<KdNode>& nodes_;
