@@ -14,9 +14,10 @@
 // box, even behind the sibling's entry. So the least entry distance of all siblings that may be dropped is kept, and none is
 // dropped unless the hit is nearer than that.
 //
-// What is visited. A postponed node has no distance stored, so it is entered even if a nearer hit was found meanwhile; its
+// What is visited. Postponed nodes have no distance stored, so they are entered even if a nearer hit was found meanwhile; their
 // children are culled at once. So the nodes visited are those of the stack version without its test of postponed nodes, in the
-// same order; with the mask, some that the stack version drops are dropped too. Hits are the same.
+// same order. An addition to [BK16]: the node in the register keeps its distance there, and is dropped as the stack version
+// drops it; with the mask, some others are too. Hits are the same.
 //
 // The state has constant size. A copy of it, taken between two steps, resumes where it was taken (see also DeepPath::Stack).
 #pragma once
@@ -28,10 +29,11 @@
 
 namespace accel {
 
-template <bool kUseRegister = true, bool kUseMask = false>
+template <bool kUseRegister = true, bool kUseMask = false, bool kUseDistance = true>
 struct Bvh2HashOptions {
   static constexpr bool kRegister = kUseRegister;  // off: every target is looked up, so all keys must be hashed
   static constexpr bool kMask = kUseMask;          // in trees down to depth 63
+  static constexpr bool kDistance = kUseDistance;  // off: no postponed node is ever dropped
 };
 
 // Which of the siblings on the trail are disjoint from the node that came first, and the least t at which one is entered.
@@ -55,9 +57,11 @@ struct Bvh2HashWith : Path::Traits {
   using View = Bvh2View;
   static constexpr Bvh2Extras kNeeds[] = {Bvh2Extras::uncles, Options::kRegister ? Bvh2Extras::hash : Bvh2Extras::full_hash};
   static constexpr bool kMask = Options::kMask && kQuery == Query::closest;
+  static constexpr bool kDistance = Options::kDistance && Options::kRegister && kQuery == Query::closest;
 
   struct State : Bvh2State<Test>, Path {
-    NodeRef recent;  // the most recently postponed node, or kNoNode
+    NodeRef recent;     // the most recently postponed node, or kNoNode
+    float recent_near;  // where the ray enters it, or 0
     [[no_unique_address]] std::conditional_t<kMask, DisjointTrail<decltype(Path::trail)>, NoDisjointTrail> disjoint;
   };
 
@@ -65,7 +69,7 @@ struct Bvh2HashWith : Path::Traits {
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
     if (!begin_bvh2(view, ray, state, hit)) return Phase::done;
     state.Path::begin();
-    state.recent = kNoNode;
+    state.recent = kNoNode, state.recent_near = 0;
     if constexpr (kMask) state.disjoint.begin();
     return enter_node(state, view.root, observer);
   }
@@ -91,6 +95,7 @@ struct Bvh2HashWith : Path::Traits {
         intersect_next<Test, kQuery>(view.leaves, ray, s.test, s.boxes.t_min, s.quad, hit, Phase::backtrack, observer);
     if (next == Phase::backtrack) {
       if constexpr (kMask) drop_disjoint(s, hit);  // before the register is filled, which the links here are for
+      if constexpr (kDistance) drop_recent(s, hit);
       recall_in_leaf(s, view.leaves[s.quad].link);
     }
     return next;
@@ -122,6 +127,7 @@ struct Bvh2HashWith : Path::Traits {
   ACCEL_HD static Phase postpone(const View& view, const Bvh2Node& node, std::uint32_t farther, const BoxPairHit& boxes,
                                  State& state, Observer& observer) {
     if constexpr (Options::kRegister) state.recent = node.child[farther];
+    if constexpr (kDistance) state.recent_near = farther == 0 ? boxes.t_near0 : boxes.t_near1;
     if constexpr (kMask) {
       const float leave = farther == 0 ? boxes.t_far1 : boxes.t_far0, enter = farther == 0 ? boxes.t_near0 : boxes.t_near1;
       state.disjoint.step_down(leave * kFarScale < enter, enter);
@@ -133,14 +139,18 @@ struct Bvh2HashWith : Path::Traits {
   ACCEL_HD static void recall(State& state, const NodeRef* link) {
     if (!Options::kRegister || state.recent != kNoNode) return;
     if (state.is_postponed(1))
-      state.recent = link[0];
+      set_recent(state, link[0]);
     else if (state.is_postponed(2))
-      state.recent = link[1];
+      set_recent(state, link[1]);
   }
   ACCEL_HD static void recall_in_leaf(State& state, const NodeRef* link) {
     if (!Options::kRegister || state.recent != kNoNode) return;
     recall(state, link);
-    if (state.recent == kNoNode && state.is_postponed(3)) state.recent = link[2];
+    if (state.recent == kNoNode && state.is_postponed(3)) set_recent(state, link[2]);
+  }
+  ACCEL_HD static void set_recent(State& state, NodeRef node) {
+    state.recent = node;
+    if constexpr (kDistance) state.recent_near = 0;
   }
 
   template <class Observer>
@@ -162,6 +172,12 @@ struct Bvh2HashWith : Path::Traits {
     const NodeRef* const slot = hash.slots + hash.slot(key, *displacement);
     observer.load(Memory::hash, slot, sizeof *slot);
     return *slot;
+  }
+
+  // Forgets the node in the register if it is entered behind the hit.
+  ACCEL_HD static void drop_recent(State& state, const Hit& hit) {
+    if (state.recent == kNoNode || state.recent_near <= hit.t * kFarScale || !state.drop_postponed()) return;
+    state.recent = kNoNode;
   }
 
   // Takes siblings off the trail that are entered behind the hit.

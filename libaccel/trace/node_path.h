@@ -15,6 +15,7 @@
 //   bool is_finished() const;             // nothing has been postponed
 //   void rise(int levels, Observer&);     // to an ancestor below which nothing is postponed any more; levels < 32
 //   bool rise_to_postponed(Observer&);    // to the node whose sibling was postponed most recently; false: there is none
+//   bool drop_postponed();                // the sibling that was postponed most recently is not; false: cannot tell which
 //   void cross();                         // to the sibling, which is then no longer postponed
 //
 // Traversers specialised by the depth of a tree are chosen by with_path_for().
@@ -60,6 +61,10 @@ struct NodePath {
   ACCEL_HD bool rise_to_postponed(Observer& observer) {
     if (trail == 0) return false;
     rise(trailing_zeros(trail), observer);
+    return true;
+  }
+  ACCEL_HD bool drop_postponed() {
+    trail &= trail - 1;
     return true;
   }
   ACCEL_HD void cross() { trail ^= 1u, key ^= 1u; }
@@ -114,6 +119,11 @@ struct DeepPath {
     }
     rise(trailing_zeros(trail), observer);
     return true;
+  }
+  ACCEL_HD bool drop_postponed() {
+    const bool in_window = trail != 0;
+    trail &= trail - 1;
+    return in_window;
   }
   ACCEL_HD void cross() { trail ^= 1u, key.window ^= 1u; }
 

@@ -2,7 +2,8 @@
 // in which order, compared with the stack version.
 //
 // A traverser without a stack has no room for distances, so it enters postponed nodes that the stack version drops unread. So
-// hash, uncle and sibling visit what the stack version visits when it drops none, exactly. Parent tests boxes again and visits
+// hash, uncle and sibling visit what the stack version visits when it drops none, exactly; hash with the distance in its
+// register, or with the mask, drops some of what the stack version drops. Parent tests boxes again and visits
 // what the stack version visits, exactly. Restart-trail visits the leaves that the stack version visits.
 #include <gtest/gtest.h>
 
@@ -82,6 +83,15 @@ bool is_within(const std::vector<T>& part, const std::vector<T>& whole) {
   return true;
 }
 
+// Some of what may be dropped has been, in the same order.
+void expect_between(const Record& record, const Record& dropping, const Record& stack, const char* traverser) {
+  EXPECT_TRUE(is_within(dropping.nodes, record.nodes)) << traverser;
+  EXPECT_TRUE(is_within(record.nodes, stack.nodes)) << traverser;
+  EXPECT_TRUE(is_within(dropping.leaves, record.leaves)) << traverser;
+  EXPECT_TRUE(is_within(record.leaves, stack.leaves)) << traverser;
+  EXPECT_TRUE(same_bits(record.hit, stack.hit)) << traverser;
+}
+
 // Trees with each kind of annotation, over one tree.
 class Laws {
  public:
@@ -148,9 +158,12 @@ class Laws {
 
   template <class Path, Query kQuery>
   void check_path(const Ray& ray, const Record& stack, const Record& dropping) {
-    using NoRegister = Bvh2HashOptions<false, false>;
-    const Record hash = record<Bvh2HashWith<Watertight, kQuery, Path>>(uncles_, uncles_view_, ray);
-    expect_same(hash, stack, "hash");
+    using NoRegister = Bvh2HashOptions<false>;
+    using NoDistance = Bvh2HashOptions<true, false, false>;
+    const Record hash = record<Bvh2HashWith<Watertight, kQuery, Path, NoDistance>>(uncles_, uncles_view_, ray);
+    expect_same(hash, stack, "hash, no distance");
+    const Record with_distance = record<Bvh2HashWith<Watertight, kQuery, Path>>(uncles_, uncles_view_, ray);
+    expect_between(with_distance, dropping, stack, "hash");
     look_ups_ += hash.look_ups;
     EXPECT_LE(hash.look_ups, 2 * hash.backtracks);
     expect_same(record<Bvh2HashWith<Watertight, kQuery, Path, NoRegister>>(all_hashed_, all_hashed_view_, ray), stack,
@@ -160,10 +173,7 @@ class Laws {
     if constexpr (!std::is_same_v<Path, DeepPath>) {
       const Record masked =
           record<Bvh2HashWith<Watertight, kQuery, Path, Bvh2HashOptions<true, true>>>(uncles_, uncles_view_, ray);
-      EXPECT_TRUE(is_within(dropping.nodes, masked.nodes)) << "mask";
-      EXPECT_TRUE(is_within(masked.nodes, stack.nodes)) << "mask";
-      EXPECT_TRUE(same_bits(masked.hit, stack.hit)) << "mask";
-      dropped_ += stack.nodes.size() - masked.nodes.size();
+      expect_between(masked, dropping, stack, "mask");
     }
   }
 
@@ -196,7 +206,7 @@ class Laws {
   std::string name_;
   Bvh2 plain_, parents_, uncles_, all_hashed_;
   Bvh2View parents_view_, uncles_view_, all_hashed_view_;
-  std::uint64_t look_ups_ = 0, dropped_ = 0;
+  std::uint64_t look_ups_ = 0;
 };
 
 TEST(Bvh2Laws, OnRandomTreesOverScenesThatHurt) {
@@ -240,7 +250,7 @@ constexpr std::size_t own_bytes() {
 }
 using Narrow = NodePath<std::uint32_t>;
 using Wide = NodePath<std::uint64_t>;
-static_assert(own_bytes<Bvh2HashWith<Watertight, Query::closest, Narrow>>() <= 16);
+static_assert(own_bytes<Bvh2HashWith<Watertight, Query::closest, Narrow>>() <= 32);
 static_assert(own_bytes<Bvh2HashWith<Watertight, Query::closest, Wide>>() <= 32);
 static_assert(own_bytes<Bvh2HashWith<Watertight, Query::closest, DeepPath>>() <= 48);
 static_assert(own_bytes<Bvh2UncleWith<Watertight, Query::closest, Narrow>>() <= 32);
