@@ -7,10 +7,13 @@
 
 #include "libaccel/registry/method.h"
 #include "libaccel/structure/bvh2.h"
+#include "libaccel/trace/bvh2_hash.h"
+#include "libaccel/trace/bvh2_sibling.h"
 #include "libaccel/trace/bvh2_stack.h"
 #include "libaccel/trace/kdtree_backtrack.h"
 #include "libaccel/trace/kdtree_restart.h"
 #include "libaccel/trace/kdtree_ropes.h"
+#include "validation/stress/random_bvh2.h"
 #include "validation/stress/random_kdtrees.h"
 #include "validation/stress/stress_scenes.h"
 
@@ -90,6 +93,25 @@ TEST(Annotate, StructuresWithoutOptionalArraysStayAsTheyAre) {
   EXPECT_FALSE(lacks_extras<Stack>(bvh));
   ASSERT_TRUE(annotate<Stack>(bvh, "bvh/stack", 1, report));
   EXPECT_TRUE(report.notes.empty());
+}
+
+// A method may need several; links of nodes exclude each other, and the structure says what it has lost.
+TEST(Annotate, LinksThatExcludeEachOther) {
+  using Hash = Bvh2Hash<Watertight, Query::closest>;
+  using Sibling = Bvh2Sibling<Watertight, Query::closest>;
+  const Bvh2 plain = validation::random_bvh2(validation::mesh_of(validation::random_triangles(90, 0.3f, 1)), 2);
+  Bvh2 bvh = plain;
+  BuildReport report;
+  ASSERT_TRUE(annotate<Hash>(bvh, "sbvh/hash", 1, report));
+  EXPECT_TRUE(bvh.has(Bvh2Extras::uncles) && bvh.has(Bvh2Extras::hash));
+  EXPECT_EQ(why(report, "uncles"), "added, because sbvh/hash reads them");
+  EXPECT_NE(why(report, "hash tables"), "");
+  const Bvh2 hashed = bvh;
+  ASSERT_TRUE(annotate<Sibling>(bvh, "sbvh/sibling", 1, report));
+  EXPECT_TRUE(lacks_extras<Hash>(bvh));
+  EXPECT_FALSE(lacks_extras<Hash>(hashed)) << "who shares the arrays keeps them";
+  EXPECT_EQ(why(report, "uncles"), "skipped, because sbvh/sibling does not read them");
+  EXPECT_EQ(bvh.slots.data(), hashed.slots.data()) << "tables do not depend on links";
 }
 
 // A builder of kd-trees for this test.
