@@ -6,6 +6,9 @@
 //   using Structure = ...;                   // what it makes
 //   static Result<Built<Structure>> build(const TriangleMesh&, const BuildOptions&);
 //
+// or, where the structure is one of instances, with a build() that takes InstancedMeshes (geometry/instanced_meshes.h). Other
+// builders get the instances' triangles as one mesh, and builders of instances get a mesh as one instance at its place.
+//
 // All builders are parallel and deterministic: the same mesh and options give the same bytes for any number of threads. They
 // accept any mesh that validate() accepts, drop triangles that no ray can hit (Skipped) and keep the caller's prim_id for all
 // others.

@@ -29,6 +29,7 @@
 #include "libaccel/build/kdtree_extras.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/core/threads.h"
+#include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/geometry/watertight.h"
 
 namespace accel {
@@ -110,11 +111,40 @@ Status annotate(Structure& structure, const std::string& method, int threads, Bu
   return Done{};
 }
 
-// Builds what a method of the registry traces, extra arrays included.
+// Builds from a mesh. A builder of instances gets one at its place.
 template <class Method>
-Result<Built<typename Method::Structure>> build_for(const TriangleMesh& mesh, const BuildOptions& options) {
+Result<Built<typename Method::Structure>> build_from(const TriangleMesh& mesh, const BuildOptions& options) {
+  if constexpr (Method::kInstances) {
+    const auto scene = InstancedMeshes::make({mesh}, {Instance{}});
+    if (!scene) return scene.error();
+    return Method::Builder::build(*scene, options);
+  } else {
+    return Method::Builder::build(mesh, options);
+  }
+}
+
+// Builds from instances. A builder of meshes gets all their triangles.
+template <class Method>
+Result<Built<typename Method::Structure>> build_from(const InstancedMeshes& scene, const BuildOptions& options) {
+  if constexpr (Method::kInstances) {
+    return Method::Builder::build(scene, options);
+  } else {
+    const auto mesh = scene.flattened();
+    if (!mesh) return mesh.error();
+    auto built = Method::Builder::build(*mesh, options);
+    if (built)
+      built->report.notes.push_back({"instances", "flattened to one mesh of " + std::to_string(mesh->size()) +
+                                                      " triangles, because " + Method::Builder::kName +
+                                                      " builds over triangles; their vertices are rounded to floats"});
+    return built;
+  }
+}
+
+// Builds what a method of the registry traces from a mesh or from instances, extra arrays included.
+template <class Method, class Scene>
+Result<Built<typename Method::Structure>> build_for(const Scene& scene, const BuildOptions& options) {
   using Traverser = typename Method::template Traverser<Watertight, Query::closest>;
-  auto built = Method::Builder::build(mesh, options);
+  auto built = build_from<Method>(scene, options);
   if (!built) return built;
   const Status status = annotate<Traverser>(built->structure, Method::name(), options.threads, built->report);
   if (!status) return status.error();

@@ -63,7 +63,7 @@ const std::vector<std::string>& triangle_tests() {
 }
 
 std::string best_method(const Purpose& purpose) {
-  constexpr std::string_view kBest = "sbvh/stack";
+  const std::string_view kBest = purpose.instances ? "instances/stack" : "sbvh/stack";
   const std::vector<MethodInfo>& all = methods();
   const auto serves = [&](const MethodInfo& m) { return m.builder == purpose.builder; };
   const auto first = std::find_if(all.begin(), all.end(), serves);
@@ -94,6 +94,12 @@ Result<AnyAccel> AnyAccel::build(const TriangleMesh& mesh, std::string_view meth
   const Status valid = validate(mesh);
   if (!valid) return valid.error();
   return (*entry)->build(mesh, (*entry)->info, options);
+}
+
+Result<AnyAccel> AnyAccel::build(const InstancedMeshes& scene, std::string_view method, const BuildOptions& options) {
+  const auto entry = find_entry(method);
+  if (!entry) return entry.error();
+  return (*entry)->build_instances(scene, (*entry)->info, options);
 }
 
 Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method, BuildReport report) {

@@ -28,6 +28,7 @@ struct MethodInfo {
   std::string traverser;  // "stack"
   std::string structure;  // "bvh2"
   bool exhaustive;        // every ray tests every triangle: see trace/traverser.h
+  bool instances;         // keeps instances apart: see registry/method.h
 };
 
 // All methods and all triangle tests, in the registry's order.
@@ -41,6 +42,7 @@ Result<std::string> find_method(std::string_view name);
 struct Purpose {
   std::string_view builder = {};  // who made the structure; empty, or the name of no builder: it is still to be built
   Query query = Query::closest;
+  bool instances = false;  // the scene is one of instances
 };
 
 // The method that the library recommends on this machine. For a builder's structure it is one of the builder's methods.
@@ -55,6 +57,10 @@ class AnyAccel {
  public:
   // Builds what `method` needs from a mesh that validate() accepts.
   static Result<AnyAccel> build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options = {});
+
+  // The same for a scene of instances. Methods that do not keep them apart trace their triangles as one mesh, which the scene
+  // makes once and keeps, and the report says so; the prim_ids are the same.
+  static Result<AnyAccel> build(const InstancedMeshes& scene, std::string_view method, const BuildOptions& options = {});
 
   // Binds a structure that exists, from a file say, to a method that traces structures of its kind. `report` tells how it was
   // built. Optional arrays that the method reads and the structure lacks are made, on all threads, and reported.

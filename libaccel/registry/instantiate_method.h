@@ -106,9 +106,9 @@ Status annotate_structure(AnyStructure& any, const MethodInfo& info, BuildReport
   return status;
 }
 
-template <class Method>
-Result<AnyAccel> build_method(const TriangleMesh& mesh, const MethodInfo& info, const BuildOptions& options) {
-  auto built = build_for<Method>(mesh, options);
+template <class Method, class Scene>
+Result<AnyAccel> build_method(const Scene& scene, const MethodInfo& info, const BuildOptions& options) {
+  auto built = build_for<Method>(scene, options);
   if (!built) return built.error();
   return AnyAccel::bind(AnyStructure(std::move(built->structure)), info.name, std::move(built->report));
 }
@@ -118,8 +118,10 @@ Result<AnyAccel> build_method(const TriangleMesh& mesh, const MethodInfo& info, 
 template <class Method>
 MethodEntry make_method_entry() {
   MethodEntry entry;
-  entry.info = {Method::name(), Method::Builder::kName, Method::kTraverserName, Method::Structure::kName, Method::kExhaustive};
-  entry.build = detail::build_method<Method>;
+  entry.info = {Method::name(),           Method::Builder::kName, Method::kTraverserName,
+                Method::Structure::kName, Method::kExhaustive,    Method::kInstances};
+  entry.build = detail::build_method<Method, TriangleMesh>;
+  entry.build_instances = detail::build_method<Method, InstancedMeshes>;
   entry.check = detail::check_structure<Method>;
   entry.annotate = detail::annotate_structure<Method>;
   std::size_t i = 0;

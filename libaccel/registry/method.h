@@ -3,8 +3,10 @@
 
 #include <string>
 
+#include "libaccel/build/builder.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/core/type_list.h"
+#include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/geometry/moeller_trumbore.h"
 #include "libaccel/geometry/watertight.h"
 
@@ -20,6 +22,10 @@ struct Method {
 
   static constexpr const char* kTraverserName = Traverser<Watertight, Query::closest>::kName;
   static constexpr bool kExhaustive = requires { requires Traverser<Watertight, Query::closest>::kIsExhaustive; };
+  // Whether the structure keeps instances apart; other methods trace their triangles as one mesh.
+  static constexpr bool kInstances = requires(const InstancedMeshes& scene, const BuildOptions& options) {
+    Builder::build(scene, options);
+  };
   static std::string name() { return std::string(Builder::kName) + "/" + kTraverserName; }
 };
 

@@ -29,6 +29,7 @@ struct TestEntry {
 struct MethodEntry {
   MethodInfo info;
   Result<AnyAccel> (*build)(const TriangleMesh&, const MethodInfo&, const BuildOptions&);
+  Result<AnyAccel> (*build_instances)(const InstancedMeshes&, const MethodInfo&, const BuildOptions&);
   Status (*check)(const AnyStructure&, const MethodInfo&);             // may the traverser trace this structure?
   Status (*annotate)(AnyStructure&, const MethodInfo&, BuildReport&);  // adds what the traverser reads and the structure lacks
   std::array<TestEntry, TriangleTests::size> tests;
