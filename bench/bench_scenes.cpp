@@ -92,7 +92,16 @@ Result<Options> parse_options(int& argc, char** argv) {
 Result<Scene> load(const std::string& spec) {
   Result<SceneData> data = spec.starts_with(kBuiltin) ? make_builtin(spec) : load_scene(spec);
   if (!data) return data.error();
+  // Rays are made from one mesh, and so is everything that does not keep instances apart.
+  Result<TriangleMesh> mesh = data->one_mesh();
+  if (!mesh) return mesh.error();
+  data->mesh = *std::move(mesh);
   return Scene{short_name(spec), std::move(data).value()};
+}
+
+Result<AnyAccel> build(const Scene& scene, const MethodInfo& method, const BuildOptions& options) {
+  return scene.data.instances && method.instances ? AnyAccel::build(*scene.data.instances, method.name, options)
+                                                  : AnyAccel::build(scene.data.mesh, method.name, options);
 }
 
 Result<RaySet> make_rays(const Scene& scene, RayKind kind, std::uint64_t count) {

@@ -9,6 +9,7 @@
 #include "libaccel/geometry/scene_data.h"
 #include "libaccel/rays/ray_kind.h"
 #include "libaccel/rays/ray_sets.h"
+#include "libaccel/registry/any_accel.h"
 
 namespace accel::bench {
 
@@ -28,6 +29,9 @@ struct Scene {
 };
 
 Result<Scene> load(const std::string& spec);
+
+// The scene as the method traces it: its instances, where there are any and the method keeps them apart, or one mesh.
+Result<AnyAccel> build(const Scene& scene, const MethodInfo& method, const BuildOptions& options = {});
 
 // About `count` rays of a kind. Primary rays see the scene through its camera; the other image kinds start from their hits.
 Result<RaySet> make_rays(const Scene& scene, RayKind kind, std::uint64_t count);

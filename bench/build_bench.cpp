@@ -16,7 +16,7 @@ namespace {
 void add_builder(const std::shared_ptr<Scene>& scene, const MethodInfo& method, int threads) {
   const auto row = [=](benchmark::State& state) {
     for (auto _ : state) {
-      const Result<AnyAccel> accel = AnyAccel::build(scene->data.mesh, method.name, {.threads = threads});
+      const Result<AnyAccel> accel = build(*scene, method, {.threads = threads});
       if (!accel) return state.SkipWithError(accel.message().c_str());
       state.counters["bytes"] = static_cast<double>(accel->size_bytes());
       state.counters["peak_bytes"] = static_cast<double>(accel->report().peak_bytes);

@@ -97,7 +97,14 @@ std::string parse(int argc, char** argv, Arguments& arguments) {
 }
 
 Result<SceneData> load_scene(const std::string& name) {
-  if (name.starts_with("builtin:")) return make_builtin(name);
+  if (name.starts_with("builtin:")) {
+    auto builtin = make_builtin(name);
+    if (!builtin) return builtin;
+    auto mesh = builtin->one_mesh();
+    if (!mesh) return mesh.error();
+    builtin->mesh = *std::move(mesh);
+    return builtin;
+  }
   auto mesh = load_mesh(name);
   if (!mesh) return mesh.error();
   SceneData scene;

@@ -38,7 +38,7 @@ Result<std::shared_ptr<Subject>> prepare(const std::string& spec) {
     const auto sibling = std::find_if(subject->methods.begin(), subject->methods.end(),
                                       [&](const AnyAccel& other) { return other.method().builder == method.builder; });
     Result<AnyAccel> accel =
-        sibling != subject->methods.end() ? sibling->with_method(method.name) : AnyAccel::build(mesh, method.name);
+        sibling != subject->methods.end() ? sibling->with_method(method.name) : build(subject->scene, method);
     if (!accel) return accel.error();
     subject->methods.push_back(std::move(accel).value());
   }

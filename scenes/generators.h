@@ -15,6 +15,7 @@ SceneData make_terrain(std::uint64_t size, std::uint64_t seed);
 SceneData make_hairball(std::uint64_t size, std::uint64_t seed);
 SceneData make_colonnade(std::uint64_t size, std::uint64_t seed);
 SceneData make_spheres(std::uint64_t size, std::uint64_t seed);
+SceneData make_forest(std::uint64_t size, std::uint64_t seed);
 SceneData make_deep(std::uint64_t size, std::uint64_t seed);
 
 // The number of steps a side, at least 1, for which `per_square` triangles a square of steps come closest to `budget`

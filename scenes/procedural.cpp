@@ -17,7 +17,7 @@ struct Generator {
   SceneData (*make)(std::uint64_t size, std::uint64_t seed);
 };
 
-constexpr std::array<Generator, 9> kGenerators{{
+constexpr std::array<Generator, 10> kGenerators{{
     {{"stadium", "small, finely tessellated sculptures in a big coarse arena", 500'000}, make_stadium},
     {{"cornell", "the box with a lamp and two blocks, tessellated to size", 32}, make_cornell},
     {{"soup", "random triangles of widely varying sizes", 100'000}, make_soup},
@@ -26,6 +26,7 @@ constexpr std::array<Generator, 9> kGenerators{{
     {{"hairball", "thin curly strands around a sphere", 500'000}, make_hairball},
     {{"colonnade", "a vaulted hall of fluted columns, arches and steps", 250'000}, make_colonnade},
     {{"spheres", "a grid of closed spheres with shared vertices", 200'000}, make_spheres},
+    {{"forest", "hundreds of instances of three plants on hilly ground", 1'000'000}, make_forest},
     {{"deep", "clusters that shrink along a line, which drives trees deeper than 64 levels", 20'000}, make_deep},
 }};
 

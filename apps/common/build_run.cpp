@@ -51,6 +51,17 @@ AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const Struc
   return metadata;
 }
 
+// Writes the structure with what it was built over: instances, or their triangles where it does not keep them apart.
+Status save(const std::string& path, const AccelMetadata& metadata, const SceneData& data, const AnyAccel& accel) {
+  const auto save_with = [&](const auto& scene) {
+    // There is a status: the structure of a method is in the list.
+    return *visit_structure(accel.structure(), [&](const auto& s) { return save_accel(path, metadata, scene, s); });
+  };
+  if (data.instances && accel.method().instances) return save_with(*data.instances);
+  const auto mesh = data.one_mesh();
+  return mesh ? save_with(*mesh) : mesh.error();
+}
+
 }  // namespace
 
 Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& bar) {
@@ -61,23 +72,23 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
   bar.begin("building " + settings.builder);
   BuildOptions options = settings.build;
   options.progress = bar.callback();
-  const auto accel = AnyAccel::build(scene->mesh(), settings.method, options);
+  const auto accel = scene->data.instances ? AnyAccel::build(*scene->data.instances, settings.method, options)
+                                           : AnyAccel::build(scene->data.mesh, settings.method, options);
   if (!accel) return accel.error();
 
   const StructureFacts facts = facts_of(accel->structure(), options, settings.stats ? Detail::all : Detail::quick);
   if (!settings.output.empty()) {
     bar.begin("writing " + settings.output);
     const AccelMetadata metadata = metadata_of(*scene, *accel, facts, options);
-    const auto saved = visit_structure(accel->structure(),
-                                       [&](const auto& s) { return save_accel(settings.output, metadata, scene->mesh(), s); });
-    if (!*saved) return saved->error();  // there is a status: the structure of a method is in the list
+    const Status saved = save(settings.output, metadata, scene->data, *accel);
+    if (!saved) return saved.error();
   }
   const int threads = settings.common.threads > 0 ? settings.common.threads : tbb::info::default_concurrency();
   return BuildRunReport{scene->name,
                         settings.builder,
                         accel->method().structure,
-                        scene->mesh().size(),
-                        scene->mesh().size_bytes(),
+                        scene->triangles().size(),
+                        scene->data.size_bytes(),
                         accel->size_bytes(),
                         scene->load_seconds,
                         threads,

@@ -39,28 +39,44 @@ Outcome<Checker> Checker::create(const Scene& scene, const TraceSettings& settin
   Checker checker(scene, settings, check, bar);
   if (check != Check::embree) return checker;
 
-  // Embree cannot be interrupted: look before each of its builds.
-  for (const auto& [mode, slot] : {std::pair{EmbreeMode::fast, &checker.fast_}, {EmbreeMode::robust, &checker.robust_}}) {
-    bar.begin("building Embree");
-    if (!bar.update(mode == EmbreeMode::fast ? "fast" : "robust", 0)) return Error{std::string(kInterrupted)};
-    auto witness = EmbreeWitness::build(scene.mesh(), {mode, EmbreeQuality::medium, settings.common.threads});
-    if (!witness) return witness.error();
-    *slot = *std::move(witness);
-  }
+  auto fast = checker.make_witness(EmbreeMode::fast, Truth::as_it_is);
+  if (!fast) return fast.error();
+  checker.fast_ = *std::move(fast);
   return checker;
+}
+
+// Embree cannot be interrupted: looks before each of its builds.
+Result<EmbreeWitness> Checker::make_witness(EmbreeMode mode, Truth truth) const {
+  bar_->begin("building Embree");
+  if (!bar_->update(mode == EmbreeMode::fast ? "fast" : "robust", 0)) return Error{std::string(kInterrupted)};
+  const EmbreeOptions options{mode, EmbreeQuality::medium, settings_->common.threads};
+  if (scene_->data.instances && truth == Truth::as_it_is) return EmbreeWitness::build(*scene_->data.instances, options);
+  const auto mesh = scene_->data.one_mesh();
+  return mesh ? EmbreeWitness::build(*mesh, options) : mesh.error();
+}
+
+Checker::Truth Checker::truth_of(const MethodInfo& method) const {
+  return scene_->data.instances && !method.instances ? Truth::one_mesh : Truth::as_it_is;
 }
 
 Engine Checker::engine() const { return engine_of(*fast_, "Embree", settings_->common.threads); }
 
-Outcome<Answers> Checker::testify(const RayBatch& batch) {
-  if (!robust_) return Answers();
-  Engine witness = engine_of(*robust_, "Embree robust", settings_->common.threads);
+Outcome<Answers> Checker::testify(const RayBatch& batch, Truth truth) {
+  if (check_ != Check::embree) return Answers();
+  std::optional<EmbreeWitness>& robust = court(truth).robust;
+  if (!robust) {
+    auto made = make_witness(EmbreeMode::robust, truth);
+    if (!made) return made.error();
+    robust = *std::move(made);
+  }
+  Engine witness = engine_of(*robust, "Embree robust", settings_->common.threads);
   auto measured = measure({&witness, 1}, batch.rays(), batch.query, 0, *bar_);
   if (!measured) return measured.failure();
   return std::move(measured->front().answers);
 }
 
-Outcome<CheckResult> Checker::check(const RayBatch& batch, const Answers& ours, const Answers& witness, bool keep_verdicts) {
+Outcome<CheckResult> Checker::check(const RayBatch& batch, Truth truth, const Answers& ours, const Answers& witness,
+                                    bool keep_verdicts) {
   validation::CompareOptions options;
   options.seed = settings_->common.seed;
   options.max_judged = settings_->judge_limit;
@@ -68,19 +84,19 @@ Outcome<CheckResult> Checker::check(const RayBatch& batch, const Answers& ours, 
   options.keep_verdicts = keep_verdicts;
   options.progress = bar_->callback();
   auto result = batch.query == Query::closest
-                    ? compare(judge(), batch.rays(), ours.hits.span(), witness.hits.span(), options)
-                    : compare_any(judge(), batch.rays(), ours.occluded.span(), witness.occluded.span(), options);
+                    ? compare(judge(truth), batch.rays(), ours.hits.span(), witness.hits.span(), options)
+                    : compare_any(judge(truth), batch.rays(), ours.occluded.span(), witness.occluded.span(), options);
   if (!result) return result.error();
   return *std::move(result);
 }
 
-Outcome<std::string> Checker::write_bundle(const std::string& stem, const RayBatch& batch, const Answers& ours,
+Outcome<std::string> Checker::write_bundle(const std::string& stem, const RayBatch& batch, Truth truth, const Answers& ours,
                                            const Answers& witness, const CheckResult& result,
                                            const validation::ReproContext& context) {
   const auto cases = batch.query == Query::closest
                          ? validation::repro_cases(result, batch.rays(), ours.hits.span(), witness.hits.span())
                          : validation::repro_cases(result, batch.rays(), ours.occluded.span(), witness.occluded.span());
-  const auto path = validation::write_repro(stem, judge(), cases, context);
+  const auto path = validation::write_repro(stem, judge(truth), cases, context);
   if (!path) return path.error();
   return path->string();
 }
@@ -101,9 +117,13 @@ std::string Checker::description() const {
   return {};
 }
 
-const validation::Judge& Checker::judge() {
-  if (!judge_) judge_ = std::make_unique<validation::Judge>(scene_->mesh());
-  return *judge_;
+const validation::Judge& Checker::judge(Truth truth) {
+  std::unique_ptr<validation::Judge>& judge = court(truth).judge;
+  if (judge) return *judge;
+  if (scene_->data.instances && truth == Truth::as_it_is)
+    return *(judge = std::make_unique<validation::Judge>(*scene_->data.instances));
+  // There is one mesh: a method has been built over it.
+  return *(judge = std::make_unique<validation::Judge>(*scene_->data.one_mesh()));
 }
 
 }  // namespace accel::apps

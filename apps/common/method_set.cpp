@@ -14,10 +14,14 @@ const MethodInfo& method_info(const std::string& name) {
 }
 
 // The method to use when the user does not say.
-std::string best_for(const Scene& scene) { return best_method({.builder = scene.stored ? scene.stored->builder : ""}); }
+std::string best_for(const Scene& scene) {
+  return best_method({.builder = scene.stored ? scene.stored->builder : "", .instances = scene.data.instances.has_value()});
+}
 
 // Why "all" leaves a method out; empty if it does not.
 std::string reason_to_skip(const MethodInfo& method, const Scene& scene, std::uint64_t rays) {
+  if (method.instances && !scene.stored && !scene.data.instances)
+    return "the scene has no instances; name the method to trace it as one";
   if (scene.stored && method.builder != scene.stored->builder)
     return "the file holds a structure built by '" + scene.stored->builder + "'";
   const std::uint64_t triangles = std::max<std::uint64_t>(scene.facts.triangles, 1);
@@ -62,7 +66,8 @@ Outcome<AnyAccel> build(const Scene& scene, const MethodInfo& method, const Trac
   bar.begin("building " + method.builder);
   BuildOptions options = settings.build;
   options.progress = bar.callback();
-  auto accel = AnyAccel::build(scene.mesh(), method.name, options);
+  auto accel = scene.data.instances ? AnyAccel::build(*scene.data.instances, method.name, options)
+                                    : AnyAccel::build(scene.data.mesh, method.name, options);
   if (!accel) return accel.error();
   return *std::move(accel);
 }

@@ -48,14 +48,14 @@ Vec3 surface_color(Vec3 normal, Vec3 view, float openness) {
 
 }  // namespace
 
-ShadedPicture shade(const TriangleMesh& mesh, const RaySet& primary, std::span<const Hit> hits, PictureSize size,
+ShadedPicture shade(const TriangleSource& triangles, const RaySet& primary, std::span<const Hit> hits, PictureSize size,
                     Openness openness) {
   ShadedPicture picture{size, std::vector<Vec3>(size.pixels()), std::vector<ShadedPicture::Surface>(size.pixels())};
   std::vector<std::uint32_t> samples(size.pixels(), 0);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const std::uint32_t pixel = primary.pixel[i];
     const Vec3 view = unit(primary.rays[i].dir);
-    const Vec3 normal = hits[i].valid() ? facing_normal(mesh.triangle(hits[i].prim_id), view) : Vec3{};
+    const Vec3 normal = hits[i].valid() ? facing_normal(triangles.triangle(hits[i].prim_id), view) : Vec3{};
     const Vec3 color = hits[i].valid() ? surface_color(normal, view, openness.empty() ? 1.0f : openness[i]) : background(view);
     if (samples[pixel]++ == 0) picture.surfaces[pixel] = {hits[i], normal};
     picture.colors[pixel] = picture.colors[pixel] + color;

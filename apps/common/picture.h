@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libaccel/core/hit.h"
-#include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/geometry/triangle_source.h"
 #include "libaccel/rays/ray_sets.h"
 
 namespace accel::apps {
@@ -34,7 +34,7 @@ using Openness = std::span<const float>;
 
 // Shades each hit by its normal: a tint that shows the direction, a soft light at the viewer and one from the sky. Rays of a
 // pixel are averaged. Expects one hit a ray, and rays that belong to pixels.
-ShadedPicture shade(const TriangleMesh& mesh, const RaySet& primary, std::span<const Hit> hits, PictureSize size,
+ShadedPicture shade(const TriangleSource& triangles, const RaySet& primary, std::span<const Hit> hits, PictureSize size,
                     Openness openness = {});
 
 // One number a pixel, drawn through a colour map.

@@ -53,11 +53,11 @@ Outcome<RayMaker::View> RayMaker::view() {
 Result<RaySet> RayMaker::rays_of(RayKind kind) {
   const std::uint64_t count = settings_->count > 0 ? settings_->count : picture_size().pixels();
   if (kind == RayKind::random) return random_rays(scene_->facts.bounds, count, settings_->common.seed);
-  if (kind == RayKind::edge) return edge_rays(scene_->mesh(), count, settings_->common.seed);
+  if (kind == RayKind::edge) return edge_rays(scene_->triangles(), count, settings_->common.seed);
   if (const Status made = make_primary(); !made) return made.error();
   if (kind == RayKind::primary) return *primary_;
   if (const Status made = make_hits(); !made) return made.error();
-  const PrimaryHits from{scene_->mesh(), *primary_, hits_.span()};
+  const PrimaryHits from{scene_->triangles(), *primary_, hits_.span()};
   return secondary_rays(kind, from, choose_light(*scene_, camera_), settings_->common.seed);
 }
 

@@ -36,6 +36,21 @@ Result<AnyStructure> read_structure(const AccelFile& file, const std::string& ki
   return result;
 }
 
+// The file's mesh or instances.
+Result<SceneData> read_scene(const AccelFile& file) {
+  SceneData data;
+  if (has_instances(file)) {
+    auto instances = read<InstancedMeshes>(file);
+    if (!instances) return instances.error();
+    data.instances = *std::move(instances);
+    return data;
+  }
+  auto mesh = read<TriangleMesh>(file);
+  if (!mesh) return mesh.error();
+  data.mesh = *std::move(mesh);
+  return data;
+}
+
 double statistic(const AccelMetadata& metadata, const std::string& name) {
   const auto found = metadata.statistics.find(name);
   return found == metadata.statistics.end() ? 0 : found->second;
@@ -48,8 +63,8 @@ Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
   if (!metadata) return metadata.error();
   const auto facts = read<MeshFacts>(*file);
   if (!facts) return facts.error();
-  auto mesh = use == MeshUse::reads ? read<TriangleMesh>(*file) : Result<TriangleMesh>(TriangleMesh{});
-  if (!mesh) return mesh.error();
+  auto data = use == MeshUse::reads ? read_scene(*file) : Result<SceneData>(SceneData{});
+  if (!data) return data.error();
   auto structure = read_structure(*file, metadata->structure);
   if (!structure) return structure.error();
   BuildReport report;
@@ -57,7 +72,8 @@ Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
   report.triangles = static_cast<std::uint64_t>(statistic(*metadata, "triangles"));
   report.references = static_cast<std::uint64_t>(statistic(*metadata, "references"));
   Scene scene;
-  scene.data = {*std::move(mesh), metadata->cameras, metadata->light};
+  scene.data = *std::move(data);
+  scene.data.cameras = metadata->cameras, scene.data.light = metadata->light;
   scene.facts = *facts;
   scene.stored = StoredStructure{*std::move(structure), std::move(report), metadata->builder};
   return scene;
@@ -68,7 +84,7 @@ Outcome<Scene> open_scene_file(const std::string& path, const Progress& progress
   if (!data) return data.error();
   Scene scene;
   scene.data = *std::move(data);
-  scene.facts = mesh_facts(scene.mesh());
+  scene.facts = mesh_facts(scene.triangles());
   return scene;
 }
 
@@ -77,7 +93,7 @@ Outcome<Scene> open_builtin(const std::string& spec, std::uint64_t seed) {
   if (!data) return usage(data.message());
   Scene scene;
   scene.data = *std::move(data);
-  scene.facts = mesh_facts(scene.mesh());
+  scene.facts = mesh_facts(scene.triangles());
   return scene;
 }
 

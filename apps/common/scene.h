@@ -28,7 +28,7 @@ struct Scene {
   std::optional<StoredStructure> stored;  // of a .accel file
   double load_seconds = 0;
 
-  const TriangleMesh& mesh() const { return data.mesh; }
+  TriangleSource triangles() const { return data.triangles(); }
 };
 
 // Whether a program is going to look at triangles. If not, those of a structure file are not even read.

@@ -125,11 +125,17 @@ class TraceRun {
     auto measured = measure(engines, batch->rays(), batch->query, settings_.repeat, bar_);
     if (!measured) return measured.failure();
 
-    auto testimony = checker.testify(*batch);
-    if (!testimony) return testimony.failure();
+    std::optional<Answers> testimonies[2];  // by truth
     for (std::size_t m = 0; m < set.members.size(); ++m) {
       const bool is_first = m == 0 && kind == settings_.ray_kinds.front();
-      const Traced traced{set.members[m], engines[m], *batch, (*measured)[m], *testimony, is_first};
+      const Checker::Truth truth = checker.truth_of(set.members[m].accel.method());
+      std::optional<Answers>& testimony = testimonies[static_cast<int>(truth)];
+      if (!testimony) {
+        auto answers = checker.testify(*batch, truth);
+        if (!answers) return answers.failure();
+        testimony = *std::move(answers);
+      }
+      const Traced traced{set.members[m], engines[m], *batch, (*measured)[m], truth, *testimony, is_first};
       if (auto done = examine(traced, maker, checker); !done) return done;
     }
     if (checker.fast()) add_witness_row(*batch, measured->back());
@@ -142,6 +148,7 @@ class TraceRun {
     const Engine& engine;
     const RayBatch& batch;
     const Measurement& measured;
+    Checker::Truth truth;
     const Answers& testimony;
     bool is_first;  // the method and kind that files are about
   };
@@ -155,8 +162,8 @@ class TraceRun {
     if (auto done = profile(traced, row); !done) return done;
     if (checker.checks()) {
       bar_.begin("checking " + method + ", " + traced.batch.name);
-      auto checked =
-          checker.check(traced.batch, traced.measured.answers, traced.testimony, traced.is_first && !settings_.diff.empty());
+      auto checked = checker.check(traced.batch, traced.truth, traced.measured.answers, traced.testimony,
+                                   traced.is_first && !settings_.diff.empty());
       if (!checked) return checked.failure();
       row.check = *std::move(checked);
       if (row.check->failures() > 0) write_bundle(traced, checker, row);
@@ -221,7 +228,8 @@ class TraceRun {
       if (auto done = write_heat(settings_.heatmap, picture, counter_name(settings_.heatmap_of)); !done) return done;
     }
     if (settings_.diff.empty()) return Done{};
-    const Difference difference{traced.batch, traced.measured.answers, traced.testimony, *row.check, checker.judge()};
+    const Difference difference{traced.batch, traced.measured.answers, traced.testimony, *row.check,
+                                checker.judge(traced.truth)};
     const DifferencePictures pictures = difference_pictures(difference, maker.picture_size(), subject);
     return write_classes(settings_.diff, pictures.distance, pictures.verdicts, "t_difference_ulp");
   }
@@ -244,18 +252,19 @@ class TraceRun {
     if (!view) return view.failure();
     constexpr std::uint32_t kDirectionsPerPixel = 32;
     const int directions = static_cast<int>(std::max(kDirectionsPerPixel / settings_.spp, 1u));
-    const PrimaryHits from{scene_.mesh(), view->rays, view->hits};
+    const PrimaryHits from{scene_.triangles(), view->rays, view->hits};
     const auto open = openness(accel, from, directions, settings_.common.seed, settings_.common.threads, bar_);
     if (!open) return open.failure();
-    return write_shaded(settings_.image, shade(scene_.mesh(), view->rays, view->hits, maker.picture_size(), *open));
+    return write_shaded(settings_.image, shade(scene_.triangles(), view->rays, view->hits, maker.picture_size(), *open));
   }
 
   // Files that show what went wrong. Failing to write them must not hide it.
   void write_bundle(const Traced& traced, Checker& checker, TraceRow& row) {
     std::string stem = settings_.repro + "-" + row.method + "-" + row.rays_kind;
     std::replace(stem.begin() + static_cast<std::ptrdiff_t>(settings_.repro.size()), stem.end(), '/', '-');
-    const auto written = checker.write_bundle(stem, traced.batch, traced.measured.answers, traced.testimony, *row.check,
-                                              {settings_.common.command_line, scene_.name, row.method, traced.batch.query});
+    const auto written =
+        checker.write_bundle(stem, traced.batch, traced.truth, traced.measured.answers, traced.testimony, *row.check,
+                             {settings_.common.command_line, scene_.name, row.method, traced.batch.query});
     if (written)
       row.repro = *written;
     else

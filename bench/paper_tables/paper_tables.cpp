@@ -19,6 +19,9 @@ Result<LoadedScene> load(const PaperScene& scene, const Settings& settings) {
   const bool found = std::filesystem::exists(path, error);
   Result<SceneData> data = found ? load_scene(path) : make_builtin(scene.stand_in);
   if (!data) return data.error();
+  Result<TriangleMesh> mesh = data->one_mesh();
+  if (!mesh) return mesh.error();
+  data->mesh = *std::move(mesh);
   return LoadedScene{std::move(data).value(), !found};
 }
 

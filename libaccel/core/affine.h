@@ -17,6 +17,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <type_traits>
 
@@ -42,6 +43,21 @@ static_assert(sizeof(Affine) == 48 && std::is_trivially_copyable_v<Affine>, "fil
 inline Vec3d transform_point(const Affine& a, Vec3d p) {
   const auto row = [&](const float(&r)[4]) { return r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]; };
   return {row(a.m[0]), row(a.m[1]), row(a.m[2])};
+}
+
+// Scales along the axes, then turns about an axis through the origin, which is not zero, then moves. Computed in double.
+inline Affine placed_by(Vec3 scale, Vec3 axis, double degrees, Vec3 translation) {
+  const double angle = degrees * (std::numbers::pi / 180), c = std::cos(angle), s = std::sin(angle);
+  const Vec3d k = normalized(Vec3d(axis));
+  const double turn[3][3] = {{c + k.x * k.x * (1 - c), k.x * k.y * (1 - c) - k.z * s, k.x * k.z * (1 - c) + k.y * s},
+                             {k.y * k.x * (1 - c) + k.z * s, c + k.y * k.y * (1 - c), k.y * k.z * (1 - c) - k.x * s},
+                             {k.z * k.x * (1 - c) - k.y * s, k.z * k.y * (1 - c) + k.x * s, c + k.z * k.z * (1 - c)}};
+  Affine result;
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) result.m[a][b] = static_cast<float>(turn[a][b] * scale[b]);
+    result.m[a][3] = translation[a];
+  }
+  return result;
 }
 
 // The inverse of an Affine, as rays are taken through it.

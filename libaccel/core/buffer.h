@@ -61,6 +61,12 @@ class Buffer {
   std::span<const T> span() const { return {data_, size_}; }
   std::span<T> span() { return {data_, size_}; }
 
+  // `size` elements from `first` on, which share the storage.
+  Buffer part(std::size_t first, std::size_t size) const {
+    ACCEL_ASSERT(first <= size_ && size <= size_ - first);
+    return Buffer(data_ + first, size, storage_);
+  }
+
   // Gives up the elements from `size` on; the storage is kept.
   void truncate(std::size_t size) { size_ = size < size_ ? size : size_; }
 

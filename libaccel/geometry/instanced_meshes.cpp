@@ -1,12 +1,14 @@
 #include "libaccel/geometry/instanced_meshes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <mutex>
 #include <new>
 #include <optional>
 #include <string>
 
+#include "libaccel/core/float_bounds.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/geometry/mesh_facts.h"
 
@@ -66,6 +68,8 @@ struct InstancedMeshes::Flat {
   std::optional<TriangleMesh> mesh;
 };
 
+std::shared_ptr<InstancedMeshes::Flat> InstancedMeshes::make_flat() { return std::make_shared<Flat>(); }
+
 Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances) {
   std::vector<Aabb> bounds;
   for (const TriangleMesh& mesh : meshes) {
@@ -82,7 +86,6 @@ Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, 
       return Error{name + ": its triangles and those before it are more than the 2^32 - 1 that prim_ids can name"};
   }
   parts->meshes = std::move(meshes), parts->instances = std::move(instances);
-  parts->flat = std::make_shared<Flat>();
   return InstancedMeshes(std::move(parts));
 }
 
@@ -106,6 +109,26 @@ Triangle InstancedMeshes::triangle(std::uint32_t prim_id) const {
   const Instance& instance = state_->instances[place.instance];
   const Triangle t = state_->meshes[instance.mesh].triangle(place.triangle);
   return {placed(instance.transform, t.v0), placed(instance.transform, t.v1), placed(instance.transform, t.v2)};
+}
+
+double InstancedMeshes::position_error(std::uint32_t prim_id) const {
+  const Affine& m = state_->instances[place_of(prim_id).instance].transform;
+  const AffineInverse inverse = *accel::inverse(m);
+  const Triangle t = triangle(prim_id);
+  double reach[3] = {0, 0, 0}, largest = 0;
+  for (const Vec3 v : {t.v0, t.v1, t.v2})
+    for (int a = 0; a < 3; ++a) {
+      reach[a] = std::fmax(reach[a], std::fabs(double{v[a]} - m.m[a][3]));
+      largest = std::fmax(largest, std::fabs(double{v[a]}));
+    }
+  double moved = 0;
+  for (const auto& row : m.m) {
+    double along = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) along += std::fabs(row[i] * inverse.linear[i][j]) * reach[j];
+    moved = std::fmax(moved, along);
+  }
+  return static_cast<double>(gamma(6 + 2 * 16)) * moved + kUnitRoundoff * largest;
 }
 
 Result<TriangleMesh> InstancedMeshes::flattened() const {

@@ -28,6 +28,9 @@ struct Instance {
 
 class InstancedMeshes {
  public:
+  // No meshes and no instances.
+  InstancedMeshes() : state_(std::make_shared<const Parts>()) {}
+
   // Errors: what validate() says about a mesh; an instance of a mesh that there is not; a map that inverse() refuses, or that
   // takes triangles in range out of it; more triangles than numbers.
   static Result<InstancedMeshes> make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances);
@@ -50,18 +53,25 @@ class InstancedMeshes {
   // A triangle in the world, rounded to floats.
   Triangle triangle(std::uint32_t prim_id) const;
 
+  // How far from triangle(prim_id), along any axis, a ray that starts nearby may meet it. With W_j the triangle's largest
+  // distance from where the map takes zero: vertices are rounded, u |p|; the ray's origin is, in the instance's space, gamma(6)
+  // sum_j |L_ij| W_j (core/affine.h); and the test there moves vertices by gamma(16) of their distance from the origin
+  // (rays/offset_origin.h), which is at most 2 W. In the world |M| times both.
+  double position_error(std::uint32_t prim_id) const;
+
   // All triangles in the world as one mesh, with the same prim_ids. Made at the first call, and kept. Fails where a mesh cannot
   // be that large, or the memory does not suffice.
   Result<TriangleMesh> flattened() const;
 
  private:
   struct Flat;
+  static std::shared_ptr<Flat> make_flat();
   struct Parts {
     std::vector<TriangleMesh> meshes;
     std::vector<Instance> instances;
     std::vector<std::uint32_t> first_prims;
     std::uint64_t size = 0;
-    std::shared_ptr<Flat> flat;
+    std::shared_ptr<Flat> flat = make_flat();
   };
   explicit InstancedMeshes(std::shared_ptr<const Parts> state) : state_(std::move(state)) {}
   std::shared_ptr<const Parts> state_;

@@ -18,6 +18,9 @@ class TriangleSource {
     return mesh_ != nullptr ? mesh_->triangle(prim_id) : instances_->triangle(prim_id);
   }
 
+  // How far from there, along any axis, a ray that starts nearby may meet it, beyond the errors of its test.
+  double position_error(std::uint32_t prim_id) const { return mesh_ != nullptr ? 0 : instances_->position_error(prim_id); }
+
  private:
   const TriangleMesh* mesh_ = nullptr;
   const InstancedMeshes* instances_ = nullptr;

@@ -91,6 +91,13 @@ class AccelFileWriter {
     add(name, values.span());
   }
 
+  // Adds a copy of an array.
+  template <class T>
+  void add_copy(std::string_view name, std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= kBufferAlignment);
+    add_copied(name, std::as_bytes(values), sizeof(T));
+  }
+
   // Adds one element or a text, of which a copy is kept.
   template <class T>
   void add_value(std::string_view name, const T& value) {

@@ -28,9 +28,10 @@ class JsonReader {
     const Json root = Json::parse(text, nullptr, false);
     if (root.is_discarded()) return Error{syntax_error(text)};
     SceneDescription scene;
-    if (check_keys(root, {"cameras", "light"})) {
+    if (check_keys(root, {"cameras", "light", "instances"})) {
       if (root.contains("cameras")) cameras(root["cameras"], scene);
       if (root.contains("light")) where_ = "light", light(root["light"], scene);
+      if (root.contains("instances")) instances(root["instances"], scene);
     }
     if (!message_.empty()) return Error{message_};
     return scene;
@@ -120,6 +121,57 @@ class JsonReader {
       result.center = result.center + result.half_u + result.half_v;
     }
     scene.light = result;
+  }
+
+  // `count` finite numbers in brackets.
+  bool numbers(const Json& object, const char* key, std::span<float> out) {
+    const Json& values = object[key];
+    bool good = values.is_array() && values.size() == out.size();
+    for (std::size_t i = 0; good && i < out.size(); ++i) {
+      good = values[i].is_number();
+      if (good) out[i] = values[i].get<float>(), good = std::isfinite(out[i]);
+    }
+    return good || fail(std::string(key) + " must be " + std::to_string(out.size()) + " numbers in brackets");
+  }
+
+  bool scale(const Json& object, float (&out)[3]) {
+    if (!object.contains("scale")) return true;
+    if (!object["scale"].is_number()) return numbers(object, "scale", out);
+    out[0] = out[1] = out[2] = object["scale"].get<float>();
+    return std::isfinite(out[0]) || fail("scale must be a number that floats can hold");
+  }
+
+  bool placement(const Json& object, Affine& out) {
+    const bool parts = object.contains("scale") || object.contains("rotate") || object.contains("translate");
+    if (object.contains("transform")) {
+      if (parts) return fail("transform goes without scale, rotate and translate");
+      return numbers(object, "transform", {&out.m[0][0], 12});
+    }
+    float scales[3] = {1, 1, 1}, turn[4] = {0, 1, 0, 0}, shift[3] = {0, 0, 0};
+    if (!scale(object, scales)) return false;
+    if (object.contains("rotate") && !numbers(object, "rotate", turn)) return false;
+    if (object.contains("translate") && !numbers(object, "translate", shift)) return false;
+    if (turn[0] == 0 && turn[1] == 0 && turn[2] == 0) return fail("rotate needs an axis that is not zero");
+    out = placed_by({scales[0], scales[1], scales[2]}, {turn[0], turn[1], turn[2]}, turn[3], {shift[0], shift[1], shift[2]});
+    return true;
+  }
+
+  void instances(const Json& list, SceneDescription& scene) {
+    where_ = "instances";
+    if (!list.is_array()) return void(fail("must be a list in brackets"));
+    scene.instances.emplace();
+    for (const Json& object : list) {
+      where_ = "instance " + std::to_string(scene.instances->size() + 1);
+      InstanceDescription& instance = scene.instances->emplace_back();
+      if (!check_keys(object, {"mesh", "transform", "scale", "rotate", "translate"})) return;
+      if (object.contains("mesh")) {
+        if (!object["mesh"].is_string()) return void(fail("mesh must be the name of a file"));
+        instance.mesh = object["mesh"].get<std::string>();
+      }
+      if (!placement(object, instance.transform)) return;
+      if (const auto inverted = inverse(instance.transform); !inverted)
+        return void(fail("its transform " + inverted.message()));
+    }
   }
 
   const std::string& name_;

@@ -26,6 +26,11 @@ Json to_json(const LightDescription& light) {
   return {{"center", to_json(light.center)}, {"half_u", to_json(light.half_u)}, {"half_v", to_json(light.half_v)}};
 }
 
+// How much of the file's vertices and triangles one mesh is.
+struct MeshPart {
+  std::uint64_t vertices, triangles;
+};
+
 // JSON has no word for numbers that are not finite: they are kept as null, and come back as NaN.
 bool read_statistics(const Json& object, std::map<std::string, double>& out) {
   if (!object.is_object()) return false;
@@ -105,6 +110,56 @@ Status read_sections(const AccelFile& file, MeshFacts& facts) {
   return Done{};
 }
 
-std::uint64_t triangle_count(const AccelFile& file) { return file.count("mesh.triangles"); }
+void write_sections(AccelFileWriter& writer, const InstancedMeshes& scene) {
+  std::vector<MeshPart> parts;
+  std::vector<Vec3> vertices;
+  std::vector<IndexTriple> triangles;
+  for (const TriangleMesh& mesh : scene.meshes()) {
+    parts.push_back({mesh.vertices.size(), mesh.triangles.size()});
+    vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    triangles.insert(triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+  }
+  writer.add_copy<Vec3>("mesh.vertices", vertices);
+  writer.add_copy<IndexTriple>("mesh.triangles", triangles);
+  writer.add_copy<MeshPart>("scene.meshes", parts);
+  writer.add("scene.instances", scene.instances());
+  writer.add_value("mesh.facts", mesh_facts(scene));
+}
+
+Status read_sections(const AccelFile& file, InstancedMeshes& scene) {
+  TriangleMesh all;
+  Buffer<MeshPart> parts;
+  Buffer<Instance> instances;
+  if (Status status = take_section(file, "mesh.vertices", all.vertices); !status) return status;
+  if (Status status = take_section(file, "mesh.triangles", all.triangles); !status) return status;
+  if (Status status = take_section(file, "scene.meshes", parts); !status) return status;
+  if (Status status = take_section(file, "scene.instances", instances); !status) return status;
+
+  std::vector<TriangleMesh> meshes;
+  std::uint64_t vertex = 0, triangle = 0;
+  for (const MeshPart& part : parts) {
+    if (part.vertices > all.vertices.size() - vertex || part.triangles > all.triangles.size() - triangle)
+      return file.error("scene.meshes", "names more vertices or triangles than there are");
+    meshes.push_back({all.vertices.part(vertex, part.vertices), all.triangles.part(triangle, part.triangles)});
+    vertex += part.vertices, triangle += part.triangles;
+  }
+  Result<InstancedMeshes> made = InstancedMeshes::make(std::move(meshes), {instances.begin(), instances.end()});
+  if (!made) return file.error({}, "holds a damaged scene: " + made.message());
+  scene = *std::move(made);
+  return Done{};
+}
+
+bool has_instances(const AccelFile& file) { return file.has("scene.instances"); }
+
+std::uint64_t triangle_count(const AccelFile& file) {
+  if (!has_instances(file)) return file.count("mesh.triangles");
+  const auto parts = file.array<MeshPart>("scene.meshes");
+  const auto instances = file.array<Instance>("scene.instances");
+  std::uint64_t count = 0;
+  if (parts && instances)
+    for (const Instance& instance : *instances)
+      if (instance.mesh < parts->size()) count += (*parts)[instance.mesh].triangles;
+  return count;
+}
 
 }  // namespace accel

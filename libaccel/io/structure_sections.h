@@ -1,5 +1,7 @@
-// What a structure file holds: metadata, the mesh and its facts, and the arrays of one structure.
+// What a structure file holds: metadata, the mesh or the instances and their facts, and the arrays of one structure.
 //
+// A scene of instances has its meshes one behind the other in the sections of the mesh, and two more: how much of them each
+// mesh is ("scene.meshes"), and which mesh is placed where ("scene.instances").
 // A structure's sections are its arrays, by the names that it gives them (structure/arrays.h), and its words: "bvh2.nodes",
 // "bvh2.words". So there is nothing to add here for a new structure.
 // Readers validate all that they read: what they return is as safe to traverse as what a builder made. The mesh is read only
@@ -16,6 +18,7 @@
 
 #include "libaccel/core/camera_description.h"
 #include "libaccel/core/light_description.h"
+#include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/geometry/triangle_mesh.h"
 #include "libaccel/io/accel_file.h"
@@ -49,14 +52,19 @@ inline Status in_file(const AccelFile& file, const Status& status) {
 }
 
 void write_sections(AccelFileWriter& writer, const AccelMetadata& metadata);
-// The mesh, and its facts.
+// The mesh or the instances, and their facts.
 void write_sections(AccelFileWriter& writer, const TriangleMesh& mesh);
+void write_sections(AccelFileWriter& writer, const InstancedMeshes& scene);
 
 Status read_sections(const AccelFile& file, AccelMetadata& metadata);
 Status read_sections(const AccelFile& file, TriangleMesh& mesh);
 Status read_sections(const AccelFile& file, MeshFacts& facts);
+Status read_sections(const AccelFile& file, InstancedMeshes& scene);
 
-// The number of triangles of the file's mesh, without touching it.
+// Whether the file's scene is one of instances.
+bool has_instances(const AccelFile& file);
+
+// The number of triangles of the file's mesh or of all its instances, without touching a vertex.
 std::uint64_t triangle_count(const AccelFile& file);
 
 template <StructureOfArrays Structure>
@@ -91,13 +99,13 @@ Result<T> read(const AccelFile& file) {
   return value;
 }
 
-// Writes a whole structure file.
-template <class Structure>
-Status save_accel(const std::filesystem::path& path, const AccelMetadata& metadata, const TriangleMesh& mesh,
+// Writes a whole structure file. The scene is a mesh or InstancedMeshes, whichever the structure was built over.
+template <class Scene, class Structure>
+Status save_accel(const std::filesystem::path& path, const AccelMetadata& metadata, const Scene& scene,
                   const Structure& structure) {
   AccelFileWriter writer;
   write_sections(writer, metadata);
-  write_sections(writer, mesh);
+  write_sections(writer, scene);
   write_sections(writer, structure);
   return writer.write(path);
 }

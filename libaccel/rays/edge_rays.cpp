@@ -13,10 +13,10 @@ namespace {
 // Triangles that no ray can hit are drawn again, this often at most: a scene may consist of nothing else.
 constexpr int kDraws = 16;
 
-Triangle draw_triangle(const TriangleMesh& mesh, CounterRng& rng) {
+Triangle draw_triangle(const TriangleSource& triangles, CounterRng& rng) {
   Triangle triangle{};
   for (int draw = 0; draw < kDraws; ++draw) {
-    triangle = mesh.triangle(rng.next_below(static_cast<std::uint32_t>(mesh.size())));
+    triangle = triangles.triangle(rng.next_below(static_cast<std::uint32_t>(triangles.size())));
     if (is_in_range(triangle) && !is_zero_area(triangle)) break;
   }
   return triangle;
@@ -40,14 +40,14 @@ Ray aim(Vec3 org, Vec3 target) {
 
 }  // namespace
 
-Result<RaySet> edge_rays(const TriangleMesh& mesh, std::uint64_t count, std::uint64_t seed) {
+Result<RaySet> edge_rays(const TriangleSource& triangles, std::uint64_t count, std::uint64_t seed) {
   if (count > kMaxRays) return Error{"edge rays: " + std::to_string(count) + " are more than 2^32; ask for fewer"};
-  if (mesh.size() == 0) return RaySet{};
-  const Aabb inner = mesh_facts(mesh).bounds, outer = enlarged(inner, 0.5f);
+  if (triangles.size() == 0) return RaySet{};
+  const Aabb inner = mesh_facts(triangles).bounds, outer = enlarged(inner, 0.5f);
   RaySet set{Buffer<Ray>(count), {}};
   fill(set.rays.span(), [&](std::size_t i) {
     CounterRng rng(seed, i);
-    const Vec3 target = draw_target(draw_triangle(mesh, rng), i % 2 == 0, rng);
+    const Vec3 target = draw_target(draw_triangle(triangles, rng), i % 2 == 0, rng);
     const bool from_inside = (i / 2) % 2 == 0 && !inner.empty();
     return aim(point_in_box(from_inside ? inner : outer, rng), target);
   });

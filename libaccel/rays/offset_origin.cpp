@@ -24,7 +24,7 @@ float round_outwards(double x, double outwards) {
 
 }  // namespace
 
-SurfacePoint offset_origin(const Triangle& triangle, const Hit& hit, Vec3 dir) {
+SurfacePoint offset_origin(const Triangle& triangle, const Hit& hit, Vec3 dir, double position_error) {
   const Vec3d v0(triangle.v0), v1(triangle.v1), v2(triangle.v2);
   const double b1 = hit.u, b2 = hit.v, b0 = 1.0 - b1 - b2;
   const Vec3d p = v0 * b0 + v1 * b1 + v2 * b2;
@@ -32,7 +32,7 @@ SurfacePoint offset_origin(const Triangle& triangle, const Hit& hit, Vec3 dir) {
 
   // The bound that the header derives.
   const double extent = std::max({largest_component(v0 - p), largest_component(v1 - p), largest_component(v2 - p)});
-  const double error = gamma(16) * extent + 0x1p-50 * (extent + largest_component(p));
+  const double error = gamma(16) * extent + 0x1p-50 * (extent + largest_component(p)) + position_error;
   const double norm_1 = std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
 
   const Vec3d o = p + normal * (norm_1 * error);

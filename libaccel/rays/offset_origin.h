@@ -30,7 +30,7 @@ struct SurfacePoint {
 };
 
 // The point where the ray with direction `dir` met the triangle, seen from the ray's side. For a triangle without area the
-// normal is the direction back.
-SurfacePoint offset_origin(const Triangle& triangle, const Hit& hit, Vec3 dir);
+// normal is the direction back. `position_error` is that of the triangle's place, if it has one (geometry/triangle_source.h).
+SurfacePoint offset_origin(const Triangle& triangle, const Hit& hit, Vec3 dir, double position_error = 0);
 
 }  // namespace accel

@@ -11,7 +11,7 @@
 // How secondary rays leave a surface without an epsilon: see offset_origin.h.
 //
 // Errors: empty pictures, sets of more than kMaxRays rays, hits that do not match the primary rays or name no triangle of the
-// mesh.
+// scene.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 #include "libaccel/core/light_description.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/core/result.h"
-#include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/geometry/triangle_source.h"
 #include "libaccel/rays/camera.h"
 #include "libaccel/rays/ray_kind.h"
 
@@ -45,7 +45,7 @@ Result<RaySet> primary_rays(const Camera& camera, std::uint32_t spp = 1, std::ui
 
 // What secondary rays start from: primary rays and their closest hits, one for each.
 struct PrimaryHits {
-  const TriangleMesh& mesh;
+  TriangleSource triangles;
   const RaySet& primary;
   std::span<const Hit> hits;
 };
@@ -77,6 +77,6 @@ Result<RaySet> random_rays(const Aabb& bounds, std::uint64_t count, std::uint64_
 // box (half of them) and around it. The direction is target - origin, so t is 1 at the target; the origin is moved by the
 // rounding error of that difference, which makes org + dir the target exactly wherever floats permit it. Targets on edges are
 // halves, quarters or eighths between the two vertices, rounded. An empty mesh gives an empty set.
-Result<RaySet> edge_rays(const TriangleMesh& mesh, std::uint64_t count, std::uint64_t seed = 1);
+Result<RaySet> edge_rays(const TriangleSource& triangles, std::uint64_t count, std::uint64_t seed = 1);
 
 }  // namespace accel

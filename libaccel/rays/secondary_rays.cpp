@@ -14,7 +14,7 @@ Result<RaySet> secondary_rays(RayKind kind, const PrimaryHits& from, const Light
     case RayKind::diffuse:
       return diffuse_rays(from, seed);
     case RayKind::ao:
-      return ao_rays(from, default_ao_distance(mesh_facts(from.mesh).bounds), seed);
+      return ao_rays(from, default_ao_distance(mesh_facts(from.triangles).bounds), seed);
     default:
       return Error{"'" + std::string(info(kind).name) + "' rays do not start from hits"};
   }

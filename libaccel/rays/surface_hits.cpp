@@ -19,9 +19,9 @@ Result<Buffer<std::uint32_t>> rays_that_hit(const PrimaryHits& from, std::uint32
   for (std::size_t i = 0; i < count; ++i) {
     const Hit& hit = from.hits[i];
     if (!hit.valid()) continue;
-    if (hit.prim_id >= from.mesh.size())
+    if (hit.prim_id >= from.triangles.size())
       return Error{"secondary rays: hit " + std::to_string(i) + " names triangle " + std::to_string(hit.prim_id) +
-                   ", but the mesh has " + std::to_string(from.mesh.size()) + "; are the hits of another scene?"};
+                   ", but the scene has " + std::to_string(from.triangles.size()) + "; are the hits of another scene?"};
     sources[used++] = static_cast<std::uint32_t>(i);
   }
   sources.truncate(used);

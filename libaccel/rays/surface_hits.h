@@ -23,7 +23,8 @@ Result<RaySet> rays_from_hits(const PrimaryHits& from, std::uint32_t per_hit, co
   fill(set.rays.span(), [&](std::size_t i) {
     const std::uint32_t source = (*sources)[i / per_hit];
     const Hit& hit = from.hits[source];
-    const SurfacePoint point = offset_origin(from.mesh.triangle(hit.prim_id), hit, from.primary.rays[source].dir);
+    const SurfacePoint point = offset_origin(from.triangles.triangle(hit.prim_id), hit, from.primary.rays[source].dir,
+                                             from.triangles.position_error(hit.prim_id));
     return make(point, source, static_cast<std::uint32_t>(i % per_hit));
   });
   return set;

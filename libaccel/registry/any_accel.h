@@ -17,6 +17,7 @@
 #include "libaccel/exec/counters.h"
 #include "libaccel/exec/multipass_profile.h"
 #include "libaccel/exec/simt_profile.h"
+#include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/registry/any_structure.h"
 
 namespace accel {

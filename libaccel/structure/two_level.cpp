@@ -2,18 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <string>
 
 namespace accel {
 namespace {
-
-// A part of an array, which it shares.
-template <class T>
-Buffer<T> part_of(const Buffer<T>& whole, std::uint64_t first, std::uint64_t count) {
-  const auto keep_alive = std::make_shared<Buffer<T>>(whole);
-  return {keep_alive->data() + first, count, keep_alive};
-}
 
 // Whether [first, first + count) begins at `expected` and ends within `size`.
 bool follows(std::uint64_t first, std::uint64_t count, std::uint64_t expected, std::uint64_t size) {
@@ -67,8 +59,8 @@ Bvh2 TwoLevelBvh::tree(std::size_t i) const {
   const TwoLevelTree& t = trees[i];
   Bvh2 bvh;
   static_cast<Bvh2Words&>(bvh) = t;
-  bvh.nodes = part_of(nodes, t.first_node, t.nodes);
-  bvh.leaves = part_of(leaves, t.first_quad, t.quads);
+  bvh.nodes = nodes.part(t.first_node, t.nodes);
+  bvh.leaves = leaves.part(t.first_quad, t.quads);
   return bvh;
 }
 

@@ -214,6 +214,22 @@ test_grids() {
   usage_error trace builtin:soup:5000 --grid-density -1; says err --grid-density
 }
 
+test_instances() {
+  expect 0 trace builtin:forest:3000 --method instances/stack,sbvh/stack --rays primary,diffuse,shadow,random,edge --explain
+  says out instances/stack; says out "flattened to one mesh"; says out "triangles are stored, for"
+  expect 0 trace builtin:forest:3000; says out instances/stack
+  expect 0 trace builtin:cornell --method all --check none; says out "the scene has no instances"
+  expect 0 trace builtin:cornell --method instances/stack
+
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >part.obj
+  printf '{"instances": [{}, {"scale": [2, -1, 1], "rotate": [0, 1, 0, 30], "translate": [3, 0, 0]}]}' >part.json
+  expect 0 trace part.obj --method all --rays primary,edge --json - --quiet; json out 'j["context"]["triangles"] == 2'
+  expect 0 build part.obj --structure instances -o part.accel; expect 0 trace part.accel; says out instances/stack
+  expect 0 build part.obj --structure sbvh -o flat.accel; expect 0 trace flat.accel; says out sbvh/stack
+  printf '{"instances": [{}, {"scale": 0}]}' >part.json
+  input_error trace part.obj; says err "part.json: instance 2"
+}
+
 test_more_rays_than_memory() {
   expect 1 "$ACCEL_TRACE" builtin:cornell --width 65536 --height 65536 --check none; one_line_error; says err --width
 }

@@ -41,6 +41,25 @@
 // [t_lo, t_hi] is the intersection of the two, widened by the rounding term. z may be evaluated in double: its error is the
 // same expression with the errors of double in place of E_i, which the factor 1 + 2^-18 in E_i covers.
 //
+// Instances. A traverser takes the ray into the instance's space and tests the mesh there, so this is done there too: with the
+// exact ray of that space, o and d, where the test has the rounded o^ and d^. With L the inverse map, T its translation and the
+// bounds of core/affine.h (and one u more, for the rounding of the inverse and of the formulae in double, and for underflow),
+//
+//   |o^ - o|_i <= a_i = gamma(6) sum_j |L_ij| |o_j - T_j| (world) + 2^-148 (1 + sum_j |o_j - T_j|),
+//   |d^ - d|_i <= b_i = gamma(5) sum_j |L_ij| |d_j| + 2^-148 (1 + sum_j |d_j|),
+//
+// and none where the map is the identity. Let e(t) = (o^ - o) + t (d^ - d). The rounded ray comes to the depth Z of a vertex at
+// t^ = t + e_z(t^) / d_z (t the exact ray's), and there it is e_x(t^) - S_x e_z(t^) beside it. So the test sees the vertex
+// moved by that, besides its own errors: with r = b_z / |d_z| < 1/2 and t_max = (|Z / d_z| + a_z / |d_z|) / (1 - r) >= |t^|,
+//
+//   in depth, counted as t d_z,  by no more than  eps_z = a_z + t_max b_z,
+//   in x                         by no more than  a_x + t_max b_x + |S_x| eps_z,
+//
+// which is added to eps_x, whose formula then takes |X|, |S_x Z| and |x| larger by a_x or by that. The depths of the vertices
+// in the bound of t are off by the largest eps_z. All triangles of an instance are tested with one rounded ray, so that
+// vertices that they share move together, as the argument of judge.h wants; those of different instances do not. The axes are
+// those that the rounded direction chooses; r >= 1/2 excuses everything.
+//
 // Other engines compute otherwise. They are measured by this bound all the same, so that one number means one thing.
 #pragma once
 
@@ -49,6 +68,8 @@
 #include <cmath>
 #include <limits>
 
+#include "libaccel/core/affine.h"
+#include "libaccel/core/float_bounds.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/geometry/triangle_mesh.h"
 
@@ -63,6 +84,7 @@ inline constexpr double kNearPadding = 64 * 0x1p-24;
 struct FrameVertex {
   double x, y, z;
   double eps_x, eps_y;  // how far single precision may move it
+  double eps_z = 0;     // and the depth at which a ray meets it
 };
 
 // The frame of the watertight test. The ray is traceable.
@@ -79,13 +101,50 @@ class RayFrame {
         shear_x_(ray.dir[kx_] / dir_z_),
         shear_y_(ray.dir[ky_] / dir_z_) {}
 
+  // The frame in the space of an instance, whose map invert_linear() accepts.
+  RayFrame(const Ray& ray, const Affine& transform) : RayFrame(inverse(transform)->ray(ray)) {
+    const double org[3] = {ray.org.x, ray.org.y, ray.org.z}, dir[3] = {ray.dir.x, ray.dir.y, ray.dir.z};
+    // A ray that leaves the range of the library in that space passes the instance by.
+    is_traceable_ = accel::is_traceable(inverse(transform)->ray(ray));
+    if (transform == Affine{}) return;
+    const LinearInverse linear = *invert_linear(transform);
+    double local_org[3], local_dir[3], org_error[3], dir_error[3];
+    for (int i = 0; i < 3; ++i) {
+      double o = 0, d = 0, o_sum = 0, d_sum = 0, o_size = 1, d_size = 1;
+      for (int j = 0; j < 3; ++j) {
+        const double from = org[j] - transform.m[j][3], m = linear.m[i][j];
+        o += m * from, d += m * dir[j];
+        o_sum += std::abs(m * from), d_sum += std::abs(m * dir[j]);
+        o_size += std::abs(from), d_size += std::abs(dir[j]);
+      }
+      local_org[i] = o, local_dir[i] = d;
+      org_error[i] = gamma(kInverseRoundings + 1) * o_sum + 0x1p-148 * o_size;
+      dir_error[i] = gamma(kInverseRoundings) * d_sum + 0x1p-148 * d_size;
+    }
+    org_x_ = local_org[kx_], org_y_ = local_org[ky_], org_z_ = local_org[kz_];
+    dir_z_ = local_dir[kz_], shear_x_ = local_dir[kx_] / dir_z_, shear_y_ = local_dir[ky_] / dir_z_;
+    a_x_ = org_error[kx_], a_y_ = org_error[ky_], a_z_ = org_error[kz_];
+    b_x_ = dir_error[kx_], b_y_ = dir_error[ky_], b_z_ = dir_error[kz_];
+  }
+
   FrameVertex operator()(Vec3 v) const {
     const double dx = v[kx_] - org_x_, dy = v[ky_] - org_y_, dz = v[kz_] - org_z_;
     const double x = dx - shear_x_ * dz, y = dy - shear_y_ * dz;
-    return {x, y, dz, epsilon(dx, shear_x_ * dz, x, dz), epsilon(dy, shear_y_ * dz, y, dz)};
+    if (a_z_ == 0) return {x, y, dz, epsilon(dx, shear_x_ * dz, x, dz), epsilon(dy, shear_y_ * dz, y, dz)};
+
+    // In an instance's space: what the ray's rounding adds.
+    const double r = b_z_ / std::abs(dir_z_);
+    const double t_max = r < 0.5 ? (std::abs(dz) + a_z_) / (std::abs(dir_z_) * (1 - r)) : INFINITY;
+    const double eps_z = a_z_ + t_max * b_z_;
+    const auto moved = [&](double d, double shear, double sum, double a, double b) {
+      const double beside = a + t_max * b + std::abs(shear) * eps_z;
+      return beside + epsilon(std::abs(d) + a, std::abs(shear * dz) + a + beside, std::abs(sum) + beside, std::abs(dz) + a_z_);
+    };
+    return {x, y, dz, moved(dx, shear_x_, x, a_x_, b_x_), moved(dy, shear_y_, y, a_y_, b_y_), eps_z};
   }
 
   double dir_z() const { return dir_z_; }
+  bool is_traceable() const { return is_traceable_; }
 
  private:
   static double epsilon(double difference, double sheared, double sum, double z) {
@@ -95,6 +154,8 @@ class RayFrame {
 
   int kz_, kx_, ky_;
   double org_x_, org_y_, org_z_, dir_z_, shear_x_, shear_y_;
+  double a_x_ = 0, a_y_ = 0, a_z_ = 0, b_x_ = 0, b_y_ = 0, b_z_ = 0;  // errors of the ray in an instance's space
+  bool is_traceable_ = true;
 };
 
 // The edge function of an edge, and the bound of its error.
@@ -134,7 +195,7 @@ struct TriangleBounds {
       edge_near[i] = edges[i].near;
       positive |= edges[i].surely_positive(), negative |= edges[i].surely_negative();
     }
-    if ((positive && negative) || !box_contains_ray()) return;
+    if ((positive && negative) || !box_contains_ray() || !frame.is_traceable()) return;
     bound_t(edges, frame.dir_z());
     possible = t_lo <= t_hi;
   }
@@ -154,7 +215,8 @@ struct TriangleBounds {
   void bound_t(const std::array<BoundedEdge, 3>& edges, double dir_z) {
     double lo = std::min({vertex[0].z, vertex[1].z, vertex[2].z});
     double hi = std::max({vertex[0].z, vertex[1].z, vertex[2].z});
-    double mean_magnitude = std::max(std::abs(lo), std::abs(hi));  // of sum l_i |z_i|
+    const double moved = std::max({vertex[0].eps_z, vertex[1].eps_z, vertex[2].eps_z});
+    double mean_magnitude = std::max(std::abs(lo), std::abs(hi)) + moved;  // of sum l_i |z_i|
 
     // The depth of the plane, where the triangle is not too edge-on to have one.
     const double det = edges[0].value + edges[1].value + edges[2].value;
@@ -169,12 +231,12 @@ struct TriangleBounds {
         magnitude += (std::abs(edges[i].value) + edges[i].error) / det_least * std::abs(vertex[i].z);
       }
       lo = std::max(lo, z - spread), hi = std::min(hi, z + spread);
-      mean_magnitude = std::min(mean_magnitude, magnitude);
+      mean_magnitude = std::min(mean_magnitude, magnitude + moved);
     }
 
     // Rounding: gamma(8); underflow of three weights, three products and a quotient.
     const double rounding = 8 * 0x1p-24 * (1 + 0x1p-18) * mean_magnitude + 3 * 0x1p-149 * (1 + mean_magnitude);
-    lo -= rounding, hi += rounding;
+    lo -= rounding + moved, hi += rounding + moved;
     t_lo = (dir_z > 0 ? lo : hi) / dir_z - 0x1p-149;
     t_hi = (dir_z > 0 ? hi : lo) / dir_z + 0x1p-149;
   }

@@ -32,16 +32,15 @@ Verdict Judge::judge(const Ray& ray, const Hit& hit, const ExactHit& exact) cons
 
 Verdict Judge::judge_hit(const Ray& ray, const Hit& hit, const ExactHit& exact) const {
   const bool inside = hit.t >= first_t(ray) && hit.t <= last_t(ray);  // false for NaN
-  if (!is_known(hit.prim_id) || !is_traceable(ray) || !inside) return Verdict::false_hit;
+  if (!oracle_.is_known(hit.prim_id) || !is_traceable(ray) || !inside) return Verdict::false_hit;
 
-  const RayFrame frame(ray);
-  const TriangleBounds bounds(frame, mesh().triangle(hit.prim_id));
+  const TriangleBounds allowed = bounds(ray, hit.prim_id);
   const bool behind = exact.valid() && hit.t > exact.t;
-  if (!bounds.possible) return Verdict::false_hit;
-  if (!bounds.allows(hit.t)) return behind ? Verdict::far : Verdict::false_hit;
+  if (!allowed.possible) return Verdict::false_hit;
+  if (!allowed.allows(hit.t)) return behind ? Verdict::far : Verdict::false_hit;
   if (exact.contains(hit.prim_id)) return Verdict::right;
 
-  const auto meets = [&](std::uint32_t prim) { return overlap(bounds, {frame, mesh().triangle(prim)}); };
+  const auto meets = [&](std::uint32_t prim) { return overlap(allowed, bounds(ray, prim)); };
   if (std::any_of(exact.prims.begin(), exact.prims.end(), meets)) return Verdict::neighbour;
   return behind && must_hit(ray, next_down(hit.t)) ? Verdict::far : Verdict::edge;
 }
@@ -55,28 +54,25 @@ Verdict Judge::judge_any(const Ray& ray, bool occluded, bool exact) const {
 bool Judge::agree(const Ray& ray, const Hit& a, const Hit& b) const {
   if (a.prim_id != b.prim_id) return false;
   if (!a.valid()) return true;
-  if (!is_known(a.prim_id) || !is_traceable(ray)) return false;
-  const TriangleBounds bounds(RayFrame(ray), mesh().triangle(a.prim_id));
-  return bounds.allows(a.t) && bounds.allows(b.t);
+  if (!oracle_.is_known(a.prim_id) || !is_traceable(ray)) return false;
+  const TriangleBounds allowed = bounds(ray, a.prim_id);
+  return allowed.allows(a.t) && allowed.allows(b.t);
 }
 
-// Whether there is such a triangle, with coordinates that may be computed with.
-bool Judge::is_known(std::uint32_t prim) const {
-  if (prim >= mesh().size()) return false;
-  const Triangle t = mesh().triangle(prim);
-  return in_range(t.v0) && in_range(t.v1) && in_range(t.v2);
+TriangleBounds Judge::bounds(const Ray& ray, std::uint32_t prim) const {
+  const Instance* const instance = oracle_.instance_of(prim);
+  return {instance != nullptr ? RayFrame(ray, instance->transform) : RayFrame(ray), oracle_.local_triangle(prim)};
 }
 
 // Whether a watertight test must find a hit in the interval up to t_end.
 bool Judge::must_hit(const Ray& ray, double t_end) const {
   if (!is_traceable(ray)) return false;
-  const RayFrame frame(ray);
   MustHit evidence;
   for (const std::uint32_t prim : oracle_.near(ray, kNearPadding, t_end)) {
-    const Triangle triangle = mesh().triangle(prim);
-    const TriangleBounds bounds(frame, triangle);
-    const bool certain_t = bounds.t_lo >= first_t(ray) && bounds.t_hi <= last_t(ray) && bounds.t_hi <= t_end;
-    if (bounds.possible && certain_t && oracle_.can_be_hit(prim)) evidence.add(triangle, bounds);
+    const TriangleBounds b = bounds(ray, prim);
+    const bool certain_t = b.t_lo >= first_t(ray) && b.t_hi <= last_t(ray) && b.t_hi <= t_end;
+    if (b.possible && certain_t && oracle_.can_be_hit(prim))
+      evidence.add(oracle_.local_triangle(prim), b, oracle_.instance_number(prim));
   }
   return evidence.decide();
 }
@@ -84,11 +80,10 @@ bool Judge::must_hit(const Ray& ray, double t_end) const {
 // Whether rounding may find a hit in the interval.
 bool Judge::may_hit(const Ray& ray) const {
   if (!is_traceable(ray)) return false;
-  const RayFrame frame(ray);
   const std::vector<std::uint32_t> prims = oracle_.near(ray, kNearPadding, last_t(ray));
   return std::any_of(prims.begin(), prims.end(), [&](std::uint32_t prim) {
-    const TriangleBounds bounds(frame, mesh().triangle(prim));
-    return bounds.possible && bounds.t_hi >= first_t(ray) && bounds.t_lo <= last_t(ray);
+    const TriangleBounds b = bounds(ray, prim);
+    return b.possible && b.t_hi >= first_t(ray) && b.t_lo <= last_t(ray);
   });
 }
 

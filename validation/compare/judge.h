@@ -38,6 +38,10 @@
 // The promise is the ideal one. A test that rejects a triangle whose three edge functions all round to zero, or a structure
 // whose boxes are not padded for the movement of vertices, may break it in rare cases: that is then a miss like any other.
 //
+// Instances are judged in their own spaces, where their triangles are tested; error_bounds.h has what the rounding of the ray
+// adds. Sums of windings over several instances are sums of sums, each of which is zero or not by itself, so that the argument
+// holds for all instances together, with rows for the near edges of each.
+//
 // Any-hit answers: right where they are; an occluded ray that hits nothing is an edge if some triangle is possible with a t
 // that may lie in the interval, else false; an unoccluded one that hits is a miss if it must hit, else an edge.
 #pragma once
@@ -47,6 +51,7 @@
 #include <string_view>
 
 #include "libaccel/core/hit.h"
+#include "validation/compare/error_bounds.h"
 #include "validation/oracle/exact.h"
 
 namespace accel::validation {
@@ -63,9 +68,12 @@ class Judge {
  public:
   // The mesh satisfies validate().
   explicit Judge(const TriangleMesh& mesh) : oracle_(mesh) {}
+  explicit Judge(const InstancedMeshes& scene) : oracle_(scene) {}
 
   const ExactOracle& oracle() const { return oracle_; }
-  const TriangleMesh& mesh() const { return oracle_.mesh(); }
+
+  // What rounding may make of a triangle for a traceable ray; its coordinates are in range.
+  TriangleBounds bounds(const Ray& ray, std::uint32_t prim) const;
 
   // `exact` is oracle().closest(ray).
   Verdict judge(const Ray& ray, const Hit& hit, const ExactHit& exact) const;
@@ -78,7 +86,6 @@ class Judge {
 
  private:
   Verdict judge_hit(const Ray& ray, const Hit& hit, const ExactHit& exact) const;
-  bool is_known(std::uint32_t prim) const;
   bool must_hit(const Ray& ray, double t_end) const;
   bool may_hit(const Ray& ray) const;
 

@@ -34,7 +34,7 @@ bool crosses(const FrameVertex& p, const FrameVertex& q) {
 
 }  // namespace
 
-void MustHit::add(const Triangle& triangle, const TriangleBounds& bounds) {
+void MustHit::add(const Triangle& triangle, const TriangleBounds& bounds, std::uint32_t instance) {
   const std::uint32_t column = triangles_++;
   const auto position = [](Vec3 v) { return Position{v.x, v.y, v.z}; };
   const Position positions[3] = {position(triangle.v0), position(triangle.v1), position(triangle.v2)};
@@ -42,7 +42,8 @@ void MustHit::add(const Triangle& triangle, const TriangleBounds& bounds) {
   for (int i = 0; i < 3; ++i) {
     const int p = (i + 1) % 3, q = (i + 2) % 3;
     inside ^= crosses(bounds.vertex[p], bounds.vertex[q]);
-    if (bounds.edge_near[i]) flip_last(near_edges_[std::minmax(positions[p], positions[q])], column);
+    const auto [from, to] = std::minmax(positions[p], positions[q]);
+    if (bounds.edge_near[i]) flip_last(near_edges_[Edge{instance, from, to}], column);
   }
   if (inside) flip_last(parities_, column);
   surely_inside_one_ |= inside && !bounds.near_any_edge();

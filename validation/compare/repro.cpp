@@ -54,11 +54,13 @@ void append_exact(std::string& text, const ExactHit& exact) {
   text += '\n';
 }
 
-void append_triangle(std::string& text, const Ray& ray, const Triangle& triangle, std::uint32_t prim) {
+void append_triangle(std::string& text, const Ray& ray, const Judge& judge, std::uint32_t prim) {
+  const Triangle triangle = judge.oracle().triangles().triangle(prim);
   append(text, "  triangle %u\n", prim);
   append_point(text, "  v0", triangle.v0), append_point(text, "  v1", triangle.v1), append_point(text, "  v2", triangle.v2);
   if (!is_traceable(ray)) return;
-  const TriangleBounds bounds(RayFrame(ray), triangle);
+  if (!judge.oracle().is_known(prim)) return;
+  const TriangleBounds bounds = judge.bounds(ray, prim);
   if (!bounds.possible) {
     text += "    rounding cannot make this a hit\n";
     return;
@@ -72,14 +74,13 @@ std::set<std::uint32_t> involved(const Judge& judge, const ReproCase& one, const
   constexpr std::size_t kEnough = 64;
   std::set<std::uint32_t> prims(exact.prims.begin(), exact.prims.end());
   for (const Hit& hit : {one.ours, one.witness.value_or(Hit{})}) {
-    if (hit.prim_id < judge.mesh().size()) prims.insert(hit.prim_id);
+    if (hit.prim_id < judge.oracle().triangles().size()) prims.insert(hit.prim_id);
   }
   if (!is_traceable(one.ray)) return prims;
-  const RayFrame frame(one.ray);
   const double t_end = std::max(exact.valid() ? exact.t : 0.0, one.ours.valid() ? double{one.ours.t} : 0.0);
   for (const std::uint32_t prim : judge.oracle().near(one.ray, kNearPadding, t_end)) {
     if (prims.size() >= kEnough) break;
-    if (TriangleBounds(frame, judge.mesh().triangle(prim)).possible) prims.insert(prim);
+    if (judge.bounds(one.ray, prim).possible) prims.insert(prim);
   }
   return prims;
 }
@@ -152,8 +153,8 @@ Result<std::filesystem::path> write_repro(const std::filesystem::path& stem, con
     if (one.witness) append_answer(text, "witness", *one.witness, context.query);
     append_exact(text, exact);
     for (const std::uint32_t prim : involved(judge, one, exact)) {
-      append_triangle(text, one.ray, judge.mesh().triangle(prim), prim);
-      if (in_obj.insert(prim).second) obj.add(judge.mesh().triangle(prim), prim);
+      append_triangle(text, one.ray, judge, prim);
+      if (in_obj.insert(prim).second) obj.add(judge.oracle().triangles().triangle(prim), prim);
     }
     rays.push_back(one.ray);
   }

@@ -63,10 +63,11 @@ TEST_P(AgainstEmbree, OnProceduralScenes) {
     const Result<SceneData> scene = make_builtin(std::string(builtin.name) + ":2000");
     ASSERT_TRUE(scene) << scene.message();
     Aabb bounds;
-    for (const Vec3& v : scene->mesh.vertices) bounds.extend(v);
-    for (const auto& set : {edge_rays(scene->mesh, 1500), random_rays(bounds, 1500)}) {
+    const TriangleMesh mesh = *scene->one_mesh();
+    for (const Vec3& v : mesh.vertices) bounds.extend(v);
+    for (const auto& set : {edge_rays(mesh, 1500), random_rays(bounds, 1500)}) {
       ASSERT_TRUE(set) << set.message();
-      expect_no_failures(std::string(builtin.name), scene->mesh, {set->rays.begin(), set->rays.end()});
+      expect_no_failures(std::string(builtin.name), mesh, {set->rays.begin(), set->rays.end()});
     }
   }
 }

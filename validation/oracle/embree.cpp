@@ -19,6 +19,8 @@ namespace accel::validation {
 struct EmbreeWitness::Scene {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  std::vector<RTCScene> meshes;            // of instances
+  std::vector<std::uint32_t> first_prims;  // likewise: by instance
   EmbreeOptions options;
   std::string isa;
   double build_seconds = 0;
@@ -26,6 +28,7 @@ struct EmbreeWitness::Scene {
 
   ~Scene() {
     if (scene != nullptr) rtcReleaseScene(scene);
+    for (const RTCScene mesh : meshes) rtcReleaseScene(mesh);
     if (device != nullptr) rtcReleaseDevice(device);
   }
 };
@@ -86,7 +89,32 @@ RTCRay to_embree(const Ray& ray) {
   return r;
 }
 
-Hit intersect(RTCScene scene, const Ray& ray) {
+// The scene of a mesh that instances refer to.
+Result<RTCScene> make_mesh_scene(RTCDevice device, const TriangleMesh& mesh, const EmbreeOptions& options) {
+  RTCScene scene = rtcNewScene(device);
+  if (options.mode == EmbreeMode::robust) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene, quality_of(options.quality));
+  if (mesh.size() > 0)
+    if (const Status attached = attach_mesh(device, scene, mesh, quality_of(options.quality)); !attached) {
+      rtcReleaseScene(scene);
+      return attached.error();
+    }
+  rtcCommitScene(scene);
+  return scene;
+}
+
+// Its number among the geometries of the scene is that of the instance.
+void attach_instance(RTCDevice device, RTCScene scene, RTCScene mesh, const Affine& transform) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, mesh);
+  rtcSetGeometryTimeStepCount(geometry, 1);
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, &transform.m[0][0]);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+}
+
+Hit intersect(RTCScene scene, std::span<const std::uint32_t> first_prims, const Ray& ray) {
   if (!is_traceable(ray)) return {};
   RTCRayHit query{};
   query.ray = to_embree(ray);
@@ -99,7 +127,8 @@ Hit intersect(RTCScene scene, const Ray& ray) {
   rtcIntersect1(scene, &context, &query);
 #endif
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return {query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
+  const std::uint32_t first_prim = first_prims.empty() ? 0 : first_prims[query.hit.instID[0]];
+  return {query.ray.tfar, query.hit.u, query.hit.v, first_prim + query.hit.primID};
 }
 
 bool is_occluded(RTCScene scene, const Ray& ray) {
@@ -123,7 +152,8 @@ std::string EmbreeWitness::version() {
   return "Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) + "." + std::to_string(RTC_VERSION_PATCH);
 }
 
-Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh& mesh, const EmbreeOptions& options) {
+// A device and an empty scene.
+Result<std::unique_ptr<EmbreeWitness::Scene>> EmbreeWitness::start(const EmbreeOptions& options) {
   auto owned = std::make_unique<Scene>();
   owned->options = options;
   owned->isa = widest_isa();
@@ -135,23 +165,52 @@ Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh& mesh, const Embre
 
   owned->scene = rtcNewScene(owned->device);
   if (options.mode == EmbreeMode::robust) rtcSetSceneFlags(owned->scene, RTC_SCENE_FLAG_ROBUST);
-  const RTCBuildQuality quality = quality_of(options.quality);
-  rtcSetSceneBuildQuality(owned->scene, quality);
-  if (mesh.size() > 0) {
-    const Status attached = attach_mesh(owned->device, owned->scene, mesh, quality);
-    if (!attached) return attached.error();
-  }
+  rtcSetSceneBuildQuality(owned->scene, quality_of(options.quality));
+  return owned;
+}
 
-  const auto start = std::chrono::steady_clock::now();
+// Builds what has been attached.
+Result<EmbreeWitness> EmbreeWitness::finish(std::unique_ptr<Scene> owned) {
+  const auto before = std::chrono::steady_clock::now();
   rtcCommitScene(owned->scene);
-  owned->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  owned->build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
   if (rtcGetDeviceError(owned->device) != RTC_ERROR_NONE) return device_error(owned->device, "build the scene");
   return EmbreeWitness(std::move(owned));
 }
 
+Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh& mesh, const EmbreeOptions& options) {
+  Result<std::unique_ptr<Scene>> owned = start(options);
+  if (!owned) return owned.error();
+  Scene& scene = **owned;
+  if (mesh.size() > 0) {
+    const Status attached = attach_mesh(scene.device, scene.scene, mesh, quality_of(options.quality));
+    if (!attached) return attached.error();
+  }
+  return finish(*std::move(owned));
+}
+
+Result<EmbreeWitness> EmbreeWitness::build(const InstancedMeshes& instanced, const EmbreeOptions& options) {
+  Result<std::unique_ptr<Scene>> owned = start(options);
+  if (!owned) return owned.error();
+  Scene& scene = **owned;
+  const auto before = std::chrono::steady_clock::now();
+  for (const TriangleMesh& mesh : instanced.meshes()) {
+    const Result<RTCScene> made = make_mesh_scene(scene.device, mesh, options);
+    if (!made) return made.error();
+    scene.meshes.push_back(*made);
+  }
+  scene.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  for (std::size_t i = 0; i < instanced.instances().size(); ++i) {
+    const Instance& instance = instanced.instances()[i];
+    attach_instance(scene.device, scene.scene, scene.meshes[instance.mesh], instance.transform);
+    scene.first_prims.push_back(instanced.first_prim(i));
+  }
+  return finish(*std::move(owned));
+}
+
 void EmbreeWitness::closest(std::span<const Ray> rays, std::span<Hit> hits, int threads) const {
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) hits[i] = intersect(scene_->scene, rays[i]);
+    for (std::size_t i = begin; i < end; ++i) hits[i] = intersect(scene_->scene, scene_->first_prims, rays[i]);
   });
 }
 
@@ -181,9 +240,12 @@ struct EmbreeWitness::Scene {};
 
 bool EmbreeWitness::available() { return false; }
 std::string EmbreeWitness::version() { return "Embree: not built in (ACCEL_WITH_EMBREE)"; }
-Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh&, const EmbreeOptions&) {
+Result<std::unique_ptr<EmbreeWitness::Scene>> EmbreeWitness::start(const EmbreeOptions&) {
   return Error{"this program was built without Embree; configure with ACCEL_WITH_EMBREE=ON, or check with --check exact"};
 }
+Result<EmbreeWitness> EmbreeWitness::finish(std::unique_ptr<Scene>) { return start({}).error(); }
+Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh&, const EmbreeOptions&) { return start({}).error(); }
+Result<EmbreeWitness> EmbreeWitness::build(const InstancedMeshes&, const EmbreeOptions&) { return start({}).error(); }
 void EmbreeWitness::closest(std::span<const Ray>, std::span<Hit>, int) const {}
 void EmbreeWitness::occluded(std::span<const Ray>, std::span<std::uint8_t>, int) const {}
 double EmbreeWitness::build_seconds() const { return 0; }

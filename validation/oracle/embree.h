@@ -9,10 +9,11 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
-#include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/geometry/instanced_meshes.h"
 
 namespace accel::validation {
 
@@ -35,6 +36,9 @@ class EmbreeWitness {
   // Builds a scene. The mesh may be dropped afterwards.
   static Result<EmbreeWitness> build(const TriangleMesh& mesh, const EmbreeOptions& options = {});
 
+  // The same for instances, as Embree has them: a scene for each mesh, and one of their instances.
+  static Result<EmbreeWitness> build(const InstancedMeshes& scene, const EmbreeOptions& options = {});
+
   EmbreeWitness(EmbreeWitness&&) noexcept;
   EmbreeWitness& operator=(EmbreeWitness&&) noexcept;
   ~EmbreeWitness();
@@ -50,6 +54,8 @@ class EmbreeWitness {
 
  private:
   struct Scene;
+  static Result<std::unique_ptr<Scene>> start(const EmbreeOptions& options);
+  static Result<EmbreeWitness> finish(std::unique_ptr<Scene> scene);
   explicit EmbreeWitness(std::unique_ptr<Scene> scene);
   std::unique_ptr<Scene> scene_;
 };

@@ -18,7 +18,7 @@ float interval_end(const Ray& ray) { return std::min(ray.t_max, std::numeric_lim
 class Crossing {
  public:
   // Nothing if they do not cross inside the ray's interval.
-  static std::optional<Crossing> find(const Ray& ray, const Triangle& triangle) {
+  static std::optional<Crossing> find(const Ray& ray, const PlacedTriangle& triangle) {
     const FilteredCrossing filtered = filter_crossing(ray, triangle);
     if (filtered.meets == Decision::no) return std::nullopt;
     Crossing crossing(triangle, filtered.t_lo, filtered.t_hi);
@@ -42,7 +42,7 @@ class Crossing {
   }
 
  private:
-  Crossing(const Triangle& triangle, double t_lo, double t_hi) : triangle_(triangle), t_lo_(t_lo), t_hi_(t_hi) {}
+  Crossing(const PlacedTriangle& triangle, double t_lo, double t_hi) : triangle_(triangle), t_lo_(t_lo), t_hi_(t_hi) {}
 
   bool is_inside(const Ray& ray) {
     const float begin = interval_begin(ray), end = interval_end(ray);
@@ -62,10 +62,35 @@ class Crossing {
     t_lo_ = rounded - error, t_hi_ = rounded + error;
   }
 
-  Triangle triangle_;
+  PlacedTriangle triangle_;
   double t_lo_, t_hi_;
   std::optional<ExactRatio> exact_;
 };
+
+// How far a movement of 1 in each instance's space reaches in the world along an axis, relative to distances in the world: a
+// difference d becomes at most sum_j |L_ij| |d_j| there, and |M| times that back here. Distances are those of triangles from
+// the origin, and, as a length, of triangles from what the map takes to zero.
+TriangleTree::Padding unit_padding(const InstancedMeshes& scene) {
+  TriangleTree::Padding result{1, 0};
+  double farthest = 0;
+  for (std::size_t i = 0; i < scene.instances().size(); ++i) {
+    const Instance& instance = scene.instances()[i];
+    const LinearInverse inverse = *invert_linear(instance.transform);
+    for (int a = 0; a < 3; ++a) {
+      double spread = 0;
+      for (int b = 0; b < 3; ++b)
+        for (int c = 0; c < 3; ++c) spread += std::abs(instance.transform.m[a][b] * inverse.m[b][c]);
+      result.share = std::max(result.share, spread);
+    }
+    for (const Vec3 v : scene.meshes()[instance.mesh].vertices) {
+      if (!accel::in_range(v)) continue;
+      const Vec3d p = transform_point(instance.transform, Vec3d(v)) - Vec3d(instance.transform.translation());
+      farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+  }
+  result.length = result.share * farthest;
+  return result;
+}
 
 }  // namespace
 
@@ -74,16 +99,48 @@ bool ExactHit::contains(std::uint32_t prim_id) const { return std::binary_search
 ExactOracle::ExactOracle(const TriangleMesh& mesh, Search search)
     : mesh_(mesh), search_(search), tree_(search == Search::tree ? mesh : TriangleMesh{}) {}
 
+ExactOracle::ExactOracle(const InstancedMeshes& scene, Search search)
+    : instances_(scene),
+      search_(search),
+      tree_(search == Search::tree ? scene : InstancedMeshes()),
+      unit_padding_(unit_padding(scene)) {}
+
+const Instance* ExactOracle::instance_of(std::uint32_t prim_id) const {
+  return instances_ ? &instances_->instances()[instance_number(prim_id)] : nullptr;
+}
+
+std::uint32_t ExactOracle::instance_number(std::uint32_t prim_id) const {
+  return instances_ ? instances_->place_of(prim_id).instance : 0;
+}
+
+Triangle ExactOracle::local_triangle(std::uint32_t prim_id) const {
+  if (!instances_) return mesh_.triangle(prim_id);
+  const InstancedMeshes::Place place = instances_->place_of(prim_id);
+  return instances_->meshes()[instances_->instances()[place.instance].mesh].triangle(place.triangle);
+}
+
+bool ExactOracle::is_known(std::uint32_t prim_id) const {
+  return prim_id < triangles().size() && in_range(local_triangle(prim_id));
+}
+
+PlacedTriangle ExactOracle::placed(std::uint32_t prim_id) const {
+  if (!instances_) return mesh_.triangle(prim_id);
+  const InstancedMeshes::Place place = instances_->place_of(prim_id);
+  const Instance& instance = instances_->instances()[place.instance];
+  return {instances_->meshes()[instance.mesh].triangle(place.triangle), &instance.transform};
+}
+
 template <class Visit>
-void ExactOracle::visit(const Ray& ray, double padding, double& t_end, Visit&& visit) const {
+void ExactOracle::visit(const Ray& ray, TriangleTree::Padding padding, double& t_end, Visit&& visit) const {
   if (!is_traceable(ray)) return;
   if (search_ == Search::tree) {
     // Boxes before the interval are of interest when they are inflated, since rounding may move a hit into it.
     tree_.visit(ray, padding, interval_begin(ray), t_end, visit);
     return;
   }
-  for (std::uint32_t i = 0; i < mesh_.size(); ++i) {
-    if (in_range(mesh_.triangle(i)) && !visit(i)) return;
+  for (std::uint64_t i = 0; i < triangles().size(); ++i) {
+    const auto prim_id = static_cast<std::uint32_t>(i);
+    if (in_range(local_triangle(prim_id)) && !visit(prim_id)) return;
   }
 }
 
@@ -91,8 +148,8 @@ ExactHit ExactOracle::closest(const Ray& ray) const {
   ExactHit hit;
   std::optional<Crossing> best;
   double t_end = interval_end(ray);
-  visit(ray, 0.0, t_end, [&](std::uint32_t prim_id) {
-    std::optional<Crossing> crossing = Crossing::find(ray, mesh_.triangle(prim_id));
+  visit(ray, {}, t_end, [&](std::uint32_t prim_id) {
+    std::optional<Crossing> crossing = Crossing::find(ray, placed(prim_id));
     if (!crossing) return true;
     const int order = best ? crossing->compare_with(*best, ray) : -1;
     if (order > 0) return true;
@@ -109,24 +166,23 @@ ExactHit ExactOracle::closest(const Ray& ray) const {
 bool ExactOracle::any(const Ray& ray) const {
   bool found = false;
   double t_end = interval_end(ray);
-  visit(ray, 0.0, t_end, [&](std::uint32_t prim_id) {
-    found = Crossing::find(ray, mesh_.triangle(prim_id)).has_value();
+  visit(ray, {}, t_end, [&](std::uint32_t prim_id) {
+    found = Crossing::find(ray, placed(prim_id)).has_value();
     return !found;
   });
   return found;
 }
 
 std::optional<ExactPoint> ExactOracle::point(const Ray& ray, std::uint32_t prim_id) const {
-  const Triangle triangle = mesh_.triangle(prim_id);
-  if (!is_traceable(ray) || !in_range(triangle)) return std::nullopt;
-  const ExactCrossing exact = exact_crossing(ray, triangle);
+  if (!is_traceable(ray) || !in_range(local_triangle(prim_id))) return std::nullopt;
+  const ExactCrossing exact = exact_crossing(ray, placed(prim_id));
   if (exact.det == 0) return std::nullopt;
   return ExactPoint{to_double(exact.t()), to_double(exact.weight(exact.v)), to_double(exact.weight(exact.w))};
 }
 
 std::vector<std::uint32_t> ExactOracle::near(const Ray& ray, double padding, double t_end) const {
   std::vector<std::uint32_t> prims;
-  visit(ray, padding, t_end, [&](std::uint32_t prim_id) {
+  visit(ray, {padding * unit_padding_.share, padding * unit_padding_.length}, t_end, [&](std::uint32_t prim_id) {
     prims.push_back(prim_id);
     return true;
   });
@@ -135,7 +191,8 @@ std::vector<std::uint32_t> ExactOracle::near(const Ray& ray, double padding, dou
 }
 
 bool ExactOracle::can_be_hit(std::uint32_t prim_id) const {
-  const Triangle triangle = mesh_.triangle(prim_id);
+  // A map with an inverse keeps what has an area from losing it, and the other way round.
+  const Triangle triangle = local_triangle(prim_id);
   return in_range(triangle) && !has_zero_area(triangle);
 }
 

@@ -1,4 +1,5 @@
-// The exact oracle: the closest hit of a ray over all triangles of a mesh, by exact arithmetic. The judge's last word.
+// The exact oracle: the closest hit of a ray over all triangles of a mesh or of instances, by exact arithmetic. The judge's
+// last word. Triangles of instances are where their maps take the vertices exactly, not where floats would have them.
 //
 // Semantics, for floats taken at their exact values:
 //   - a triangle is closed: its edges and vertices belong to it;
@@ -19,7 +20,8 @@
 #include <vector>
 
 #include "libaccel/core/ray.h"
-#include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/geometry/triangle_source.h"
+#include "validation/oracle/exact_predicates.h"
 #include "validation/oracle/triangle_tree.h"
 
 namespace accel::validation {
@@ -47,6 +49,7 @@ class ExactOracle {
   };
 
   explicit ExactOracle(const TriangleMesh& mesh, Search search = Search::tree);
+  explicit ExactOracle(const InstancedMeshes& scene, Search search = Search::tree);
 
   ExactHit closest(const Ray& ray) const;
   bool any(const Ray& ray) const;
@@ -55,21 +58,34 @@ class ExactOracle {
   std::optional<ExactPoint> point(const Ray& ray, std::uint32_t prim_id) const;
 
   // All triangles that the ray may meet before t_end when vertices move by up to `padding` times their largest distance from
-  // the origin along an axis, and perhaps others; in ascending order.
+  // the origin along an axis, and perhaps others; in ascending order. Of instances, when vertices move by that much in the
+  // instance's space, where distances from what its map takes to zero count as well as those from the origin.
   std::vector<std::uint32_t> near(const Ray& ray, double padding, double t_end) const;
 
   // Whether a triangle can be hit at all: it has an area, and its coordinates are in range.
   bool can_be_hit(std::uint32_t prim_id) const;
 
-  const TriangleMesh& mesh() const { return mesh_; }
+  // A triangle in its own space, whether its coordinates there are in range, and the instance that it belongs to: null for
+  // those of a mesh.
+  Triangle local_triangle(std::uint32_t prim_id) const;
+  bool is_known(std::uint32_t prim_id) const;
+  const Instance* instance_of(std::uint32_t prim_id) const;
+  std::uint32_t instance_number(std::uint32_t prim_id) const;  // 0 for those of a mesh
+
+  // Triangles in the world, rounded to floats.
+  TriangleSource triangles() const { return instances_ ? TriangleSource(*instances_) : TriangleSource(mesh_); }
 
  private:
+  PlacedTriangle placed(std::uint32_t prim_id) const;
   template <class Visit>
-  void visit(const Ray& ray, double padding, double& t_end, Visit&& visit) const;
+  void visit(const Ray& ray, TriangleTree::Padding padding, double& t_end, Visit&& visit) const;
 
-  TriangleMesh mesh_;  // shares the caller's buffers
+  // Both share the caller's buffers.
+  TriangleMesh mesh_;
+  std::optional<InstancedMeshes> instances_;
   Search search_;
   TriangleTree tree_;
+  TriangleTree::Padding unit_padding_{1, 0};  // what a padding of 1 in instances' spaces may be in the world
 };
 
 }  // namespace accel::validation

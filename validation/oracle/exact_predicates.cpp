@@ -7,8 +7,9 @@
 namespace accel::validation {
 namespace {
 
-// Error of a triple product relative to its permanent; derived in the header.
+// Errors of a triple product relative to its permanent; derived in the header.
 constexpr double kFilterError = 16.0 * 0x1p-53;
+constexpr double kPlacedFilterError = 32.0 * 0x1p-53;
 
 using ExactVector = std::array<ExactInt, 3>;
 
@@ -56,9 +57,26 @@ struct DoubleVector {
   double x, y, z;
 };
 
+DoubleVector magnitude(const DoubleVector& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+
 DoubleVector difference(Vec3 a, Vec3 b) {
   return {double{a.x} - double{b.x}, double{a.y} - double{b.y}, double{a.z} - double{b.z}};
 }
+
+// A difference of points, and the magnitudes that its errors are relative to.
+struct Offset {
+  DoubleVector value, magnitude;
+
+  Offset(const DoubleVector& v) : value(v), magnitude(accel::validation::magnitude(v)) {}
+  Offset(Vec3 vertex, const Affine* transform, Vec3 org) : Offset(difference(vertex, org)) {
+    if (transform == nullptr) return;
+    const Vec3d p = transform_point(*transform, Vec3d(vertex));
+    value = {p.x - org.x, p.y - org.y, p.z - org.z};
+    magnitude = {placed_magnitude(*transform, vertex, 0) + std::abs(org.x),
+                 placed_magnitude(*transform, vertex, 1) + std::abs(org.y),
+                 placed_magnitude(*transform, vertex, 2) + std::abs(org.z)};
+  }
+};
 
 // A number and how wrong it may be.
 struct Bounded {
@@ -69,15 +87,39 @@ struct Bounded {
 struct BoundedCross {
   DoubleVector value, permanent;
 
-  BoundedCross(const DoubleVector& a, const DoubleVector& b) {
-    const double xp = a.y * b.z, xm = a.z * b.y, yp = a.z * b.x, ym = a.x * b.z, zp = a.x * b.y, zm = a.y * b.x;
-    value = {xp - xm, yp - ym, zp - zm};
-    permanent = {std::abs(xp) + std::abs(xm), std::abs(yp) + std::abs(ym), std::abs(zp) + std::abs(zm)};
+  BoundedCross(const Offset& p, const Offset& q) {
+    const DoubleVector &a = p.value, &b = q.value, &m = p.magnitude, &n = q.magnitude;
+    value = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    permanent = {m.y * n.z + m.z * n.y, m.z * n.x + m.x * n.z, m.x * n.y + m.y * n.x};
   }
-  Bounded dot(const DoubleVector& d) const {
-    const double permanents = std::abs(d.x) * permanent.x + std::abs(d.y) * permanent.y + std::abs(d.z) * permanent.z;
-    return {d.x * value.x + d.y * value.y + d.z * value.z, kFilterError * permanents};
+  Bounded dot(const Offset& d, double relative_error) const {
+    const DoubleVector &v = d.value, &m = d.magnitude;
+    return {v.x * value.x + v.y * value.y + v.z * value.z,
+            relative_error * (m.x * permanent.x + m.y * permanent.y + m.z * permanent.z)};
   }
+};
+
+// Takes vertices, multiples of 2^vertex, into the world, where they are multiples of 2^world.
+struct PlacedUnits {
+  PlacedUnits(const Affine* map, int vertex_unit) : transform(map), vertex(vertex_unit), world(vertex_unit) {
+    if (transform == nullptr) return;
+    linear = std::numeric_limits<float>::max_exponent;
+    for (const auto& row : transform->m) linear = common_exponent({row[0], row[1], row[2]}, linear);
+    world = common_exponent(transform->translation(), vertex + linear);
+  }
+
+  // The vertex in the world as a multiple of 2^unit, where unit <= world.
+  ExactVector place(Vec3 v, int unit) const {
+    if (transform == nullptr) return scaled(v, unit);
+    const ExactVector local = scaled(v, vertex);
+    ExactVector result = scaled(transform->translation(), unit);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) result[a] += (scaled(transform->m[a][b], linear) * local[b]) << (vertex + linear - unit);
+    return result;
+  }
+
+  const Affine* transform;
+  int vertex, linear = 0, world;
 };
 
 }  // namespace
@@ -108,15 +150,18 @@ ExactRatio ExactCrossing::weight(const ExactInt& of) const {
   return det < 0 ? ExactRatio{ExactInt(-of), ExactInt(-det)} : ExactRatio{of, det};
 }
 
-ExactCrossing exact_crossing(const Ray& ray, const Triangle& triangle) {
+ExactCrossing exact_crossing(const Ray& ray, const PlacedTriangle& placed) {
   constexpr int kLarge = std::numeric_limits<float>::max_exponent;
-  int unit = common_exponent(ray.org, kLarge);
+  const Triangle& triangle = placed.triangle;
+  int unit = kLarge;
   for (const Vec3 v : {triangle.v0, triangle.v1, triangle.v2}) unit = common_exponent(v, unit);
+  const PlacedUnits units(placed.transform, unit);
+  unit = common_exponent(ray.org, units.world);
   const int dir_unit = common_exponent(ray.dir, kLarge);
 
   const ExactVector org = scaled(ray.org, unit), dir = scaled(ray.dir, dir_unit);
-  const ExactVector a = scaled(triangle.v0, unit) - org, b = scaled(triangle.v1, unit) - org;
-  const ExactVector c = scaled(triangle.v2, unit) - org;
+  const ExactVector a = units.place(triangle.v0, unit) - org, b = units.place(triangle.v1, unit) - org;
+  const ExactVector c = units.place(triangle.v2, unit) - org;
   const ExactVector cb = cross(c, b);
   ExactCrossing result{dot(dir, cb), dot(dir, cross(a, c)), dot(dir, cross(b, a)), 0, dot(a, cb), unit - dir_unit};
   result.det = result.u + result.v + result.w;
@@ -133,12 +178,15 @@ bool has_zero_area(const Triangle& triangle) {
   return exact[0] == 0 && exact[1] == 0 && exact[2] == 0;
 }
 
-FilteredCrossing filter_crossing(const Ray& ray, const Triangle& triangle) {
-  const DoubleVector dir{ray.dir.x, ray.dir.y, ray.dir.z};
-  const DoubleVector a = difference(triangle.v0, ray.org), b = difference(triangle.v1, ray.org);
-  const DoubleVector c = difference(triangle.v2, ray.org);
+FilteredCrossing filter_crossing(const Ray& ray, const PlacedTriangle& placed) {
+  const Triangle& triangle = placed.triangle;
+  const double relative_error = placed.transform == nullptr ? kFilterError : kPlacedFilterError;
+  const Offset dir(DoubleVector{ray.dir.x, ray.dir.y, ray.dir.z});
+  const Offset a(triangle.v0, placed.transform, ray.org), b(triangle.v1, placed.transform, ray.org);
+  const Offset c(triangle.v2, placed.transform, ray.org);
   const BoundedCross cb(c, b);
-  const Bounded u = cb.dot(dir), v = BoundedCross(a, c).dot(dir), w = BoundedCross(b, a).dot(dir);
+  const Bounded u = cb.dot(dir, relative_error), v = BoundedCross(a, c).dot(dir, relative_error);
+  const Bounded w = BoundedCross(b, a).dot(dir, relative_error);
 
   // Two proven signs that differ: no. Three that agree: yes. Zeros and near zeros are for exact arithmetic.
   const int positive = (u.value > u.error) + (v.value > v.error) + (w.value > w.error);
@@ -147,7 +195,7 @@ FilteredCrossing filter_crossing(const Ray& ray, const Triangle& triangle) {
   if (positive < 3 && negative < 3) return {Decision::unknown};
 
   // With |num - n| <= e and |det - m| <= f: |num / det - n / m| <= (e + |n / m| f) / (|m| - f), and a few roundings.
-  const Bounded num = cb.dot(a);
+  const Bounded num = cb.dot(a, relative_error);
   const double det = u.value + v.value + w.value;
   const double det_error = (u.error + v.error + w.error) * (1 + 0x1p-40) + 0x1p-51 * std::abs(det);
   if (!(std::abs(det) > det_error))

@@ -7,6 +7,9 @@
 #include <limits>
 #include <span>
 
+#include "libaccel/core/float_bounds.h"
+#include "validation/oracle/exact_predicates.h"
+
 namespace accel::validation {
 namespace {
 
@@ -28,6 +31,16 @@ struct Box {
     return x < 0 ? 0 : x * y + y * z + z * x;
   }
 };
+
+// Extends a box by a placed vertex and what double may be wrong about it, rounded outwards.
+void extend(float (&lo)[3], float (&hi)[3], const Affine& transform, Vec3 v) {
+  const Vec3d p = transform_point(transform, Vec3d(v));
+  const double at[3] = {p.x, p.y, p.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double error = 4 * 0x1p-53 * placed_magnitude(transform, v, axis);
+    lo[axis] = std::min(lo[axis], round_down(at[axis] - error)), hi[axis] = std::max(hi[axis], round_up(at[axis] + error));
+  }
+}
 
 }  // namespace
 
@@ -145,6 +158,27 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
     const Aabb box = t.bounds();
     references.push_back({{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}, static_cast<std::uint32_t>(i)});
   }
+  build(references);
+}
+
+TriangleTree::TriangleTree(const InstancedMeshes& scene) {
+  std::vector<Reference> references;
+  references.reserve(scene.size());
+  for (std::size_t i = 0; i < scene.instances().size(); ++i) {
+    const Instance& instance = scene.instances()[i];
+    const TriangleMesh& mesh = scene.meshes()[instance.mesh];
+    for (std::uint32_t n = 0; n < mesh.size(); ++n) {
+      const Triangle t = mesh.triangle(n);
+      if (!in_range(t.v0) || !in_range(t.v1) || !in_range(t.v2)) continue;
+      Reference reference{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, scene.first_prim(i) + n};
+      for (const Vec3 v : {t.v0, t.v1, t.v2}) extend(reference.lo, reference.hi, instance.transform, v);
+      references.push_back(reference);
+    }
+  }
+  build(references);
+}
+
+void TriangleTree::build(std::vector<Reference>& references) {
   if (references.empty()) return;
   Builder(references, nodes_);
   prims_.reserve(references.size());

@@ -8,9 +8,9 @@
 // is moved by 8 * 2^-53 of itself towards the outside. The interval of each axis then contains the exact one, and so does their
 // intersection. A direction component of zero is decided by the sign of a difference, which floating point has right.
 //
-// With a padding p > 0 a box is inflated on all sides by p times its largest distance from the origin along an axis: this finds
-// all triangles that a ray meets when vertices move by that much. It is how the judge asks what a single-precision test might
-// see.
+// With a padding p > 0 a box is inflated on all sides by p times its largest distance from the origin along an axis, and
+// perhaps by a length that does not depend on the ray: this finds all triangles that a ray meets when vertices move by that
+// much. It is how the judge asks what a single-precision test might see.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "libaccel/core/ray.h"
+#include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/geometry/triangle_mesh.h"
 
 namespace accel::validation {
@@ -27,11 +28,18 @@ class TriangleTree {
  public:
   // A tree over those triangles of the mesh whose coordinates are all in range.
   explicit TriangleTree(const TriangleMesh& mesh);
+  // A tree over all whose triangles in their meshes are in range.
+  explicit TriangleTree(const InstancedMeshes& scene);
+
+  // By how much boxes are inflated: by a share of their largest distance from the origin along an axis, and a length.
+  struct Padding {
+    double share = 0, length = 0;
+  };
 
   // Calls visit(prim_id) for every triangle whose box, inflated by `padding`, meets the ray in [t_begin, t_end], and perhaps
   // for others; nearer boxes first. `visit` may lower t_end, and returns false to stop. The ray is traceable.
   template <class Visit>
-  void visit(const Ray& ray, double padding, double t_begin, double& t_end, Visit&& visit) const;
+  void visit(const Ray& ray, Padding padding, double t_begin, double& t_end, Visit&& visit) const;
 
  private:
   // An inner node's children are nodes_[first] and nodes_[first + 1]; a leaf holds prims_[first, first + count).
@@ -44,9 +52,11 @@ class TriangleTree {
     std::uint32_t prim_id;
   };
   class Builder;
+  void build(std::vector<Reference>& references);
 
   struct Line {
-    double org[3], dir[3], inv[3], padding;
+    double org[3], dir[3], inv[3];
+    Padding padding;
   };
 
   static constexpr int kStackSize = 128;  // Builder::kMaxDepth is less
@@ -61,11 +71,11 @@ class TriangleTree {
 
 inline bool TriangleTree::meets(const Node& node, const Line& line, double t_begin, double t_end, double& t_near) {
   double reach = 0;
-  if (line.padding > 0) {
+  if (line.padding.share > 0) {
     for (int axis = 0; axis < 3; ++axis) {
       reach = std::max({reach, std::abs(node.lo[axis] - line.org[axis]), std::abs(node.hi[axis] - line.org[axis])});
     }
-    reach *= line.padding;
+    reach = reach * line.padding.share + line.padding.length;
   }
   for (int axis = 0; axis < 3; ++axis) {
     const double lo = node.lo[axis] - line.org[axis] - reach, hi = node.hi[axis] - line.org[axis] + reach;
@@ -83,7 +93,7 @@ inline bool TriangleTree::meets(const Node& node, const Line& line, double t_beg
 }
 
 template <class Visit>
-void TriangleTree::visit(const Ray& ray, double padding, double t_begin, double& t_end, Visit&& visit) const {
+void TriangleTree::visit(const Ray& ray, Padding padding, double t_begin, double& t_end, Visit&& visit) const {
   if (nodes_.empty()) return;
   Line line;
   line.padding = padding;

@@ -121,6 +121,58 @@ TEST_F(SceneDescriptionTest, OrderOfLookUp) {
   EXPECT_EQ(find_scene_description(scene)->source.filename(), "room.ply.zst.json");
 }
 
+Result<SceneDescription> instances_of(const std::string& list) {
+  return parse_scene_json(R"({"instances": )" + list + "}", "forest.json");
+}
+
+TEST_F(SceneDescriptionTest, InstancesByTransformOrByParts) {
+  const auto scene = instances_of(R"([{"mesh": "a/tree.ply", "transform": [1, 2, 0, 4, 5, 6, 7, 8, 0, 0, -1, 0.5]}, {},
+      {"scale": 2, "translate": [1, 2, 3]}, {"scale": [1, -1, 3], "rotate": [0, 5, 0, 90]}])");
+  ASSERT_TRUE(scene) << scene.message();
+  ASSERT_TRUE(scene->instances);
+  const auto& list = *scene->instances;
+  ASSERT_EQ(list.size(), 4u);
+  EXPECT_EQ(list[0].mesh, "a/tree.ply");
+  EXPECT_EQ(list[0].transform, (Affine{{{1, 2, 0, 4}, {5, 6, 7, 8}, {0, 0, -1, 0.5f}}}));
+  EXPECT_TRUE(list[1].mesh.empty());
+  EXPECT_EQ(list[1].transform, Affine{});
+  EXPECT_EQ(list[2].transform, (Affine{{{2, 0, 0, 1}, {0, 2, 0, 2}, {0, 0, 2, 3}}}));
+  // First stretched, then turned: x goes to -z, the stretched z to x.
+  const Vec3d p = transform_point(list[3].transform, {1, 1, 1});
+  EXPECT_NEAR(p.x, 3, 1e-6);
+  EXPECT_NEAR(p.y, -1, 1e-6);
+  EXPECT_NEAR(p.z, -1, 1e-6);
+  EXPECT_FALSE(parse_scene_json("{}", "forest.json")->instances);
+}
+
+TEST_F(SceneDescriptionTest, BadInstancesAreNamed) {
+  for (const char* bad : {R"({"transform": [1, 2, 3]})",
+                          R"({"transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5]})",
+                          R"({"transform": 1})",
+                          R"({"transform": [1,0,0,0, 0,1,0,0, 0,0,"1",0]})",
+                          R"({"transform": [1,0,0,0, 0,1,0,0, 0,0,1,null]})",
+                          R"({"transform": [1,0,0,0, 0,1,0,0, 0,0,1,1e39]})",
+                          R"({"transform": [1,0,0,0, 0,0,0,0, 0,0,1,0]})",
+                          R"({"scale": 0})",
+                          R"({"scale": [1, 2]})",
+                          R"({"scale": "2"})",
+                          R"({"scale": 1e39})",
+                          R"({"rotate": [0, 0, 0, 90]})",
+                          R"({"rotate": [0, 1, 0]})",
+                          R"({"translate": [1, 2]})",
+                          R"({"translate": {"x": 1}})",
+                          R"({"mesh": 7})",
+                          R"({"mehs": "a.ply"})",
+                          R"({"scale": 2, "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0]})",
+                          "[]",
+                          "3"}) {
+    const auto scene = instances_of("[{}, " + std::string(bad) + "]");
+    ASSERT_FALSE(scene) << bad;
+    EXPECT_EQ(scene.message().rfind("forest.json: instance 2: ", 0), 0u) << scene.message();
+  }
+  EXPECT_EQ(instances_of("{}").message(), "forest.json: instances: must be a list in brackets");
+}
+
 TEST_F(SceneDescriptionTest, CamerasAtTheLimits) {
   const float large = std::numeric_limits<float>::max(), tiny = std::numeric_limits<float>::denorm_min();
   EXPECT_TRUE(validate(CameraDescription{{large, 0, 0}, {-large, 0, 0}, {0, tiny, 0}}));

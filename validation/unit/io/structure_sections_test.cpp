@@ -6,6 +6,7 @@
 
 #include "libaccel/build/binned_sah.h"
 #include "libaccel/build/grid.h"
+#include "libaccel/build/instances.h"
 #include "libaccel/build/kdtree_links.h"
 #include "libaccel/build/kdtree_ropes.h"
 #include "libaccel/build/kdtree_sah.h"
@@ -41,6 +42,63 @@ class StructureSectionsTest : public FileTest {
   static Bvh2 build(const TriangleMesh& mesh) { return BinnedSah::build(mesh, {}).value().structure; }
   fs::path path() const { return folder() / "a.accel"; }
 };
+
+TEST_F(StructureSectionsTest, InstancesComeBack) {
+  const Affine there{{{0, 0, 1, 5}, {0, -2, 0, 6}, {1, 0, 0, 7}}};
+  const auto scene =
+      InstancedMeshes::make({grid_mesh(5), grid_mesh(1), grid_mesh(3)}, {{2, {}}, {0, there}, {1, {}}, {2, there}});
+  ASSERT_TRUE(scene) << scene.message();
+  const auto built = InstanceBuilder::build(*scene, {});
+  ASSERT_TRUE(built) << built.message();
+  ASSERT_TRUE(save_accel(path(), {}, *scene, built->structure));
+
+  const Result<AccelFile> file = AccelFile::open(path());
+  ASSERT_TRUE(file) << file.message();
+  EXPECT_TRUE(has_instances(*file));
+  EXPECT_EQ(triangle_count(*file), scene->size());
+  const auto back = read<InstancedMeshes>(*file);
+  ASSERT_TRUE(back) << back.message();
+  ASSERT_EQ(back->instances().size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(back->instances()[i].mesh, scene->instances()[i].mesh);
+    EXPECT_EQ(back->instances()[i].transform, scene->instances()[i].transform);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_TRUE(same(back->meshes()[i].vertices, scene->meshes()[i].vertices));
+    EXPECT_TRUE(same(back->meshes()[i].triangles, scene->meshes()[i].triangles));
+  }
+  const auto structure = read<TwoLevelBvh>(*file);
+  ASSERT_TRUE(structure) << structure.message();
+  EXPECT_TRUE(same(structure->nodes, built->structure.nodes));
+  EXPECT_TRUE(same(structure->trees, built->structure.trees));
+  EXPECT_TRUE(same(structure->instances, built->structure.instances));
+}
+
+TEST_F(StructureSectionsTest, DamagedInstancesAreErrors) {
+  const TriangleMesh mesh = grid_mesh(3);
+  const auto complaint = [&](std::vector<std::uint64_t> meshes, std::vector<Instance> instances) {
+    AccelFileWriter writer;
+    write_sections(writer, mesh);
+    struct Part {
+      std::uint64_t vertices, triangles;
+    };
+    std::vector<Part> parts;
+    for (std::size_t i = 0; i < meshes.size(); i += 2) parts.push_back({meshes[i], meshes[i + 1]});
+    writer.add_copy<Part>("scene.meshes", parts);
+    writer.add_copy<Instance>("scene.instances", instances);
+    EXPECT_TRUE(writer.write(path()));
+    const auto scene = read<InstancedMeshes>(*AccelFile::open(path()));
+    return scene ? std::string() : scene.message();
+  };
+  Affine singular;
+  singular.m[0][0] = 0;
+  EXPECT_EQ(complaint({9, 8}, {{0, {}}}), "");
+  EXPECT_NE(complaint({9, 9}, {{0, {}}}), "");
+  EXPECT_NE(complaint({~std::uint64_t{0}, 8}, {{0, {}}}), "");
+  EXPECT_NE(complaint({8, 8}, {{0, {}}}), "") << "a triangle names the ninth vertex";
+  EXPECT_NE(complaint({9, 8}, {{1, {}}}), "");
+  EXPECT_NE(complaint({9, 8}, {{0, singular}}), "");
+}
 
 TEST_F(StructureSectionsTest, MetadataComesBack) {
   AccelMetadata metadata{"bvh2", "bvh", "sc\xe8ne \"a\".ply", {{"bins", "32"}}, {{"sah_cost", 1.0 / 3}, {"epo", NAN}}, {}, {}};

@@ -41,11 +41,12 @@ TEST(Builtin, StadiumComesFirst) { EXPECT_EQ(builtin_scenes().front().name, "sta
 TEST(Builtin, SizesAreNearTheAskedOnes) {
   for (const BuiltinScene& scene : builtin_scenes()) {
     for (const double size : {30'000.0, 200'000.0}) {
-      const auto triangles = static_cast<double>(make(scene.name, static_cast<std::uint64_t>(size)).mesh.size());
+      const auto triangles = static_cast<double>(make(scene.name, static_cast<std::uint64_t>(size)).triangles().size());
       EXPECT_NEAR(triangles / size, 1, 0.1) << scene.name << ' ' << size;
     }
-    EXPECT_NEAR(static_cast<double>(make(scene.name, scene.default_size).mesh.size()) / static_cast<double>(scene.default_size),
-                1, 0.1)
+    EXPECT_NEAR(
+        static_cast<double>(make(scene.name, scene.default_size).triangles().size()) / static_cast<double>(scene.default_size),
+        1, 0.1)
         << scene.name;
   }
 }
@@ -54,9 +55,9 @@ TEST(Builtin, EveryTriangleCanBeHit) {
   for (const BuiltinScene& scene : builtin_scenes()) {
     for (const std::uint64_t size : {1u, 100u, 5'000u, 50'000u}) {
       const SceneData data = make(scene.name, size);
-      ASSERT_GT(data.mesh.size(), 0u) << scene.name;
-      ASSERT_TRUE(validate(data.mesh).ok()) << scene.name;
-      const MeshFacts facts = mesh_facts(data.mesh);
+      ASSERT_GT(data.triangles().size(), 0u) << scene.name;
+      ASSERT_TRUE(validate(*data.one_mesh()).ok()) << scene.name;
+      const MeshFacts facts = mesh_facts(data.triangles());
       EXPECT_EQ(facts.out_of_range, 0u) << scene.name << ' ' << size;
       EXPECT_EQ(facts.zero_area, 0u) << scene.name << ' ' << size;
     }
@@ -75,16 +76,16 @@ TEST(Builtin, DoesNotDependOnThreads) {
   for (const BuiltinScene& scene : builtin_scenes()) {
     const auto with_threads = [&](std::size_t threads) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      return make(scene.name, 40'000).mesh;
+      return *make(scene.name, 40'000).one_mesh();
     };
     EXPECT_TRUE(same_bytes(with_threads(1), with_threads(4))) << scene.name;
   }
 }
 
 TEST(Builtin, DependsOnTheSeedWhereItIsRandom) {
-  for (const std::string_view name : {"stadium", "soup", "slivers", "terrain", "hairball", "spheres", "deep"}) {
-    EXPECT_TRUE(same_bytes(make(name, 20'000, 3).mesh, make(name, 20'000, 3).mesh)) << name;
-    EXPECT_FALSE(same_bytes(make(name, 20'000, 3).mesh, make(name, 20'000, 4).mesh)) << name;
+  for (const std::string_view name : {"stadium", "soup", "slivers", "terrain", "hairball", "spheres", "deep", "forest"}) {
+    EXPECT_TRUE(same_bytes(*make(name, 20'000, 3).one_mesh(), *make(name, 20'000, 3).one_mesh())) << name;
+    EXPECT_FALSE(same_bytes(*make(name, 20'000, 3).one_mesh(), *make(name, 20'000, 4).one_mesh())) << name;
   }
 }
 
