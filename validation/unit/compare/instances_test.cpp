@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "libaccel/core/float_bounds.h"
+#include "libaccel/geometry/watertight.h"
 #include "validation/compare/judge.h"
 #include "validation/oracle/brute_instances.h"
 #include "validation/stress/stress_instances.h"

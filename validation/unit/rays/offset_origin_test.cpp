@@ -7,6 +7,8 @@
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/rays/sampling.h"
+#include "validation/oracle/brute_instances.h"
+#include "validation/stress/stress_scenes.h"
 
 namespace accel {
 namespace {
@@ -43,6 +45,23 @@ TEST(OffsetOrigin, LeavingRaysMissTheTriangleThatTheyLeave) {
     Hit hit;
     const bool line_met = Watertight::intersect(pack(triangle, 0), ray, Watertight::prepare(ray), hit);
     ASSERT_FALSE(line_met && hit.t >= 0) << "case " << i << ", t = " << hit.t;
+  }
+}
+
+// The triangle is where a map takes it, and the leaving ray is tested where it comes from.
+TEST(OffsetOrigin, LeavingRaysMissTheInstanceThatTheyLeave) {
+  for (std::uint32_t i = 0; i < 20000; ++i) {
+    CounterRng rng(3, i);
+    const Triangle triangle = random_triangle(rng);
+    const float size = std::sqrt(Aabb(triangle.bounds()).half_area());
+    const Vec3 scale{rng.next_float(0.5f, 2), -rng.next_float(0.5f, 2), rng.next_float(0.5f, 2)};
+    const Affine map = placed_by(scale, random_point(rng, 1), rng.next_float(0, 360), random_point(rng, 300 * size));
+    const auto scene = InstancedMeshes::make({validation::mesh_of({triangle})}, {{0, map}});
+    ASSERT_TRUE(scene) << scene.message();
+    const SurfacePoint point =
+        offset_origin(scene->triangle(0), random_hit(rng), sphere_direction(rng).to_float(), scene->position_error(0));
+    const Ray ray{.org = point.org, .dir = cosine_direction(point.normal, rng).to_float()};
+    EXPECT_FALSE(validation::brute_force<Watertight>(*scene, ray).valid()) << "case " << i;
   }
 }
 
