@@ -134,7 +134,7 @@ TEST(PerfectHash, TakesAtMostSevenPercentOfTheStructure) {
   for (const BuiltinScene& builtin : builtin_scenes()) {
     const Result<SceneData> scene = make_builtin(std::string(builtin.name) + ":3000");
     ASSERT_TRUE(scene);
-    const auto built = Sbvh::build(scene->mesh, {});
+    const auto built = Sbvh::build(*scene->one_mesh(), {});
     ASSERT_TRUE(built);
     Bvh2 tree = built->structure;
     BuildReport report;
