@@ -74,13 +74,15 @@ TEST_P(Instances, NoFailuresInTheForest) {
 // The numbers mean the same triangles, whichever way a scene is traced.
 TEST_P(Instances, NamesTheTrianglesThatOtherMethodsName) {
   const InstancedScene s = instanced_scenes(4)[7];
-  const std::vector<Ray> rays = instance_rays(s.scene, 2000, 4);
+  const auto set = random_rays(mesh_facts(s.scene).bounds, 5000, 4);
+  ASSERT_TRUE(set) << set.message();
+  const std::vector<Ray> rays(set->rays.begin(), set->rays.end());
   const Result<AnyAccel> other = AnyAccel::build(s.scene, "sbvh/stack");
   ASSERT_TRUE(other) << other.message();
   const std::vector<Hit> hits = closest(build(s.scene), rays), expected = closest(*other, rays);
   std::size_t different = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) different += hits[i].prim_id != expected[i].prim_id;
-  EXPECT_LT(different, rays.size() / 5) << "edges and vertices, at which half of the rays aim, decide by rounding";
+  EXPECT_LE(different, rays.size() / 1000) << "random rays do not pass edges by a hair";
 }
 
 TEST_P(Instances, FlatteningIsReported) {
