@@ -150,7 +150,7 @@ Result<SceneResult> measure(const SceneFigures& figures, const Settings& setting
   const TriangleMesh& mesh = scene->data.mesh;
   const auto rays = primary_rays(scene->data, settings.size);
   if (!rays) return rays.error();
-  auto contenders = make_contenders(mesh, *rays, figures.grid);
+  auto contenders = make_contenders(mesh, rays->rays, figures.grid);
   if (!contenders) return contenders.error();
   if (const Status s = take_turns(*contenders, settings); !s) return s.error();
 

@@ -8,7 +8,7 @@
 
 #include "libaccel/io/load_scene.h"
 #include "libaccel/rays/camera.h"
-#include "libaccel/rays/ray_sets.h"
+#include "libaccel/rays/default_light.h"
 #include "scenes/procedural.h"
 
 namespace accel::paper_tables {
@@ -25,15 +25,29 @@ Result<LoadedScene> load(const PaperScene& scene, const Settings& settings) {
   return LoadedScene{std::move(data).value(), !found};
 }
 
-Result<Buffer<Ray>> primary_rays(const SceneData& scene, std::uint32_t size) {
+namespace {
+
+Aabb bounds_of(const SceneData& scene) {
   Aabb bounds;
   for (const Vec3& v : scene.mesh.vertices)
     if (in_range(v)) bounds.extend(v);
-  const auto camera = Camera::make(scene.cameras.empty() ? default_camera(bounds) : scene.cameras.front(), size, size);
+  return bounds;
+}
+
+CameraDescription view_of(const SceneData& scene) {
+  return scene.cameras.empty() ? default_camera(bounds_of(scene)) : scene.cameras.front();
+}
+
+}  // namespace
+
+Result<RaySet> primary_rays(const SceneData& scene, std::uint32_t size) {
+  const auto camera = Camera::make(view_of(scene), size, size);
   if (!camera) return camera.error();
-  auto set = accel::primary_rays(*camera);
-  if (!set) return set.error();
-  return std::move(set->rays);
+  return accel::primary_rays(*camera);
+}
+
+LightDescription light_of(const SceneData& scene) {
+  return scene.light.value_or(default_light(bounds_of(scene), view_of(scene)));
 }
 
 std::string TextTable::text() const {

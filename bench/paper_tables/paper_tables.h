@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "libaccel/core/buffer.h"
-#include "libaccel/core/ray.h"
 #include "libaccel/core/result.h"
 #include "libaccel/geometry/scene_data.h"
+#include "libaccel/rays/ray_sets.h"
 
 namespace accel::paper_tables {
 
@@ -42,8 +41,9 @@ struct LoadedScene {
 };
 Result<LoadedScene> load(const PaperScene& scene, const Settings& settings);
 
-// What the scene's first camera sees, or the default camera: one ray a pixel, row by row.
-Result<Buffer<Ray>> primary_rays(const SceneData& scene, std::uint32_t size);
+// What the scene's first camera sees, or the default camera: one ray a pixel, row by row. And what lights it.
+Result<RaySet> primary_rays(const SceneData& scene, std::uint32_t size);
+LightDescription light_of(const SceneData& scene);
 
 // A table of text, with columns as wide as their widest cell; the first column is aligned to the left.
 class TextTable {
@@ -80,5 +80,8 @@ Status time_ms(const Work& work, std::vector<double>& times) {
 
 // Foley and Sugerman 2005: Tables 1, 2 and 3.
 Result<Report> fs05(const Settings& settings);
+
+// Binder and Keller 2016: Tables 1 and 2, and the histogram of Figure 3.
+Result<Report> bk16(const Settings& settings);
 
 }  // namespace accel::paper_tables
