@@ -60,7 +60,7 @@ TEST(MeshFacts, Counts) {
   EXPECT_EQ(facts.out_of_range, 10u);
   EXPECT_FALSE(facts.bounds.empty());
   EXPECT_LT(facts.bounds.hi.x, 2.0f);
-  EXPECT_TRUE(mesh_facts({}).bounds.empty());
+  EXPECT_TRUE(mesh_facts(TriangleMesh{}).bounds.empty());
 }
 
 }  // namespace
