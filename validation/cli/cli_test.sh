@@ -199,7 +199,7 @@ test_explain() {
   expect 0 build builtin:soup:5000 --for kdtree/ropes --explain -o ropes.accel; says out "ropes: added, because kdtree/ropes reads them"
   expect 0 trace ropes.accel --method kdtree/ropes,kdtree/backtrack --explain --json both.json; says out "all right"
   says out "parents and boxes: added, because kdtree/backtrack reads them"; lacks out "ropes: added"
-  expect 0 trace builtin:cornell --method bvh/stack --explain; says out "nothing was left out"
+  expect 0 trace builtin:cornell --method brute/loop --explain; says out "nothing was left out"
 }
 
 test_grids() {
