@@ -120,11 +120,15 @@ class Placement {
   }
 
  private:
-  // A bucket by its place in the order, and the displacement that it tries next.
+  // A bucket by its place in the order, the displacement that it tries next, and how many it has tried.
   struct Seeker {
-    std::uint32_t rank, displacement;
+    std::uint32_t rank, displacement, tried;
     bool has_lost;
   };
+
+  // Where a bucket starts to look. Keys of a tree's full levels are dense: were all buckets to start at 0, they would fill the
+  // table run by run, and each would have to search through what the ones before it have filled.
+  std::uint32_t first_displacement(std::uint32_t bucket) const { return multiply_high(bucket * 0x9e3779b9u, hash_.slot_count); }
 
   std::span<const HashedNode> keys(const Seeker& s) const { return buckets_.of(buckets_.by_size[s.rank]); }
   std::uint32_t slot(const HashedNode& node, const Seeker& s) const {
@@ -134,7 +138,7 @@ class Placement {
   void add(std::uint32_t rank, std::vector<Seeker>& seekers) {
     const std::uint32_t bucket = buckets_.by_size[rank];
     const auto nodes = buckets_.of(bucket);
-    if (!needs_no_slot(nodes)) return seekers.push_back({rank, 0, false});
+    if (!needs_no_slot(nodes)) return seekers.push_back({rank, first_displacement(bucket), 0, false});
     out_.displacements[bucket] = direct_entry(nodes[0].ref);
     ++out_.direct;
   }
@@ -156,8 +160,10 @@ class Placement {
   bool seek(Seeker& s) const {
     const auto is_free = [&](const HashedNode& node) { return out_.slots[slot(node, s)] == kEmpty; };
     const auto nodes = keys(s);
-    for (; s.displacement < hash_.slot_count; ++s.displacement)
+    for (; s.tried < hash_.slot_count; ++s.tried) {
       if (std::all_of(nodes.begin(), nodes.end(), is_free) && are_apart(s)) return true;
+      if (++s.displacement == hash_.slot_count) s.displacement = 0;
+    }
     return false;
   }
 

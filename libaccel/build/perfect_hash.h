@@ -2,9 +2,9 @@
 // Tarjan and Yao 1979, in buckets sorted by size as Fox et al. 1992 do it.
 //
 // Keys are sorted into buckets, buckets by decreasing size. Then all buckets of a size are placed at once: each looks for the
-// first displacement that moves all its keys to free slots. Where several find the same slot, the first of them in order gets
-// it and the others look on. So what is done in parallel depends on the order of buckets alone, and the tables are the same for
-// any number of threads. Buckets with one key need no slot: they hold the reference.
+// first displacement, from a place of its own on, that moves all its keys to free slots. Where several find the same slot, the
+// first of them in order gets it and the others look on. So what is done in parallel depends on the order of buckets alone, and
+// the tables are the same for any number of threads. Buckets with one key need no slot: they hold the reference.
 //
 // Sizes follow from the number n of keys: D is the largest power of two that is at most n / 2, H the smallest odd number that
 // is at least kSlotsPerKey n. About 8 n bytes.
