@@ -14,6 +14,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "libaccel/core/camera_description.h"
@@ -99,10 +100,13 @@ Result<T> read(const AccelFile& file) {
   return value;
 }
 
-// Writes a whole structure file. The scene is a mesh or InstancedMeshes, whichever the structure was built over.
+// Writes a whole structure file. The scene is a mesh that validate() accepts (else an error) or InstancedMeshes, whichever the
+// structure was built over.
 template <class Scene, class Structure>
 Status save_accel(const std::filesystem::path& path, const AccelMetadata& metadata, const Scene& scene,
                   const Structure& structure) {
+  if constexpr (std::is_same_v<Scene, TriangleMesh>)
+    if (const Status status = validate(scene); !status) return status;
   AccelFileWriter writer;
   write_sections(writer, metadata);
   write_sections(writer, scene);
