@@ -128,8 +128,17 @@ Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occ
   return Done{};
 }
 
-Hit AnyAccel::closest(const Ray& ray) const { return state_->entry->tests[0].closest_one(state_->structure, ray); }
-bool AnyAccel::occluded(const Ray& ray) const { return state_->entry->tests[0].occluded_one(state_->structure, ray); }
+// Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more.
+Hit AnyAccel::closest(const Ray& ray) const {
+  Hit hit;
+  state_->entry->tests[0].closest(state_->structure, {&ray, 1}, {&hit, 1}, 1);
+  return hit;
+}
+bool AnyAccel::occluded(const Ray& ray) const {
+  std::uint8_t occluded = 0;
+  state_->entry->tests[0].occluded(state_->structure, {&ray, 1}, {&occluded, 1}, 1);
+  return occluded != 0;
+}
 
 Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
                                  const TraceOptions& options, RayCounter counter) const {

@@ -49,16 +49,6 @@ struct TestFunctions {
     run_on<Method, Any>(s,
                         [&]<class T>(const auto& view, std::type_identity<T>) { trace_any<T>(view, rays, occluded, threads); });
   }
-  static Hit closest_one(const AnyStructure& s, const Ray& ray) {
-    NullObserver observer;
-    return run_on<Method, Closest>(
-        s, [&]<class T>(const auto& view, std::type_identity<T>) { return trace_ray<T>(view, ray, observer); });
-  }
-  static bool occluded_one(const AnyStructure& s, const Ray& ray) {
-    NullObserver observer;
-    return run_on<Method, Any>(
-        s, [&]<class T>(const auto& view, std::type_identity<T>) { return trace_ray<T>(view, ray, observer).valid(); });
-  }
   static Counters count(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
                         int threads, RayCounter counter) {
     return run_query(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
@@ -78,7 +68,7 @@ struct TestFunctions {
     });
   }
 
-  static constexpr TestEntry entry() { return {closest, occluded, closest_one, occluded_one, count, simt, multipass}; }
+  static constexpr TestEntry entry() { return {closest, occluded, count, simt, multipass}; }
 };
 
 template <class Method>

@@ -18,8 +18,6 @@ namespace accel {
 struct TestEntry {
   void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, int threads);
   void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, int threads);
-  Hit (*closest_one)(const AnyStructure&, const Ray&);
-  bool (*occluded_one)(const AnyStructure&, const Ray&);
   Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t>, int threads, RayCounter);
   SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const SimtOptions&, int threads);
   MultipassProfile (*multipass)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const MultipassOptions&,

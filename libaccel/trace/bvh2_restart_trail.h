@@ -165,14 +165,10 @@ struct Bvh2RestartTrailWith : RestartTrailTraits<kDeep, kShortStackSize> {
   }
 };
 
-// The method: serves all trees; specialised() names what serves the tree at hand best.
+// The method, for trees of any depth.
 template <class Test, Query kQuery>
 struct Bvh2RestartTrail : Bvh2RestartTrailWith<Test, kQuery, true, 0> {
-  template <class Visit>
-  static decltype(auto) specialised(const Bvh2View& view, Visit&& visit) {
-    if (view.depth <= kMaxDepth64) return visit(std::type_identity<Bvh2RestartTrailWith<Test, kQuery, false, 0>>{});
-    return visit(std::type_identity<Bvh2RestartTrail>{});
-  }
+  using Specialisations = TypeList<Bvh2RestartTrailWith<Test, kQuery, false, 0>>;
 };
 
 }  // namespace accel

@@ -76,17 +76,11 @@ struct Bvh2SiblingWith : Path::Traits {
   }
 };
 
-// The method: serves all trees; specialised() names what serves the tree at hand best.
+// The method, for trees of any depth.
 template <class Test, Query kQuery>
 struct Bvh2Sibling : Bvh2SiblingWith<Test, kQuery, DeepPath> {
-  template <class Path>
-  struct Family {
-    using type = Bvh2SiblingWith<Test, kQuery, Path>;
-  };
-  template <class Visit>
-  static decltype(auto) specialised(const Bvh2View& view, Visit&& visit) {
-    return with_path_for<Family>(view, visit);
-  }
+  using Specialisations =
+      TypeList<Bvh2SiblingWith<Test, kQuery, NodePath<std::uint32_t>>, Bvh2SiblingWith<Test, kQuery, NodePath<std::uint64_t>>>;
 };
 
 }  // namespace accel

@@ -122,17 +122,11 @@ struct Bvh2UncleWith : Path::Traits {
   }
 };
 
-// The method: serves all trees; specialised() names what serves the tree at hand best.
+// The method, for trees of any depth.
 template <class Test, Query kQuery>
 struct Bvh2Uncle : Bvh2UncleWith<Test, kQuery, DeepPath> {
-  template <class Path>
-  struct Family {
-    using type = Bvh2UncleWith<Test, kQuery, Path>;
-  };
-  template <class Visit>
-  static decltype(auto) specialised(const Bvh2View& view, Visit&& visit) {
-    return with_path_for<Family>(view, visit);
-  }
+  using Specialisations =
+      TypeList<Bvh2UncleWith<Test, kQuery, NodePath<std::uint32_t>>, Bvh2UncleWith<Test, kQuery, NodePath<std::uint64_t>>>;
 };
 
 }  // namespace accel

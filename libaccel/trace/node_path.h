@@ -10,6 +10,7 @@
 // others in memory, so whoever looks at the last bits of the trail finds them.
 //
 //   void begin();
+//   Word hashed_key() const;              // of 32 or 64 bits
 //   void step_down(std::uint32_t side, bool postponed, std::uint64_t multiplier, Observer&);  // the hash's multiplier
 //   bool is_postponed(int level) const;   // the sibling of the ancestor `level` levels up; 0: the node's own; level < 4
 //   bool is_finished() const;             // nothing has been postponed
@@ -17,13 +18,10 @@
 //   bool rise_to_postponed(Observer&);    // to the node whose sibling was postponed most recently; false: there is none
 //   bool drop_postponed();                // the sibling that was postponed most recently is not; false: cannot tell which
 //   void cross();                         // to the sibling, which is then no longer postponed
-//
-// Traversers specialised by the depth of a tree are chosen by with_path_for().
 #pragma once
 
 #include <bit>
 #include <cstdint>
-#include <type_traits>
 
 #include "libaccel/structure/bvh2.h"
 #include "libaccel/trace/traverser.h"
@@ -39,11 +37,13 @@ struct NodePath {
   // What a traverser with such a path inherits.
   struct Traits {
     static constexpr std::uint32_t kMaxDepth = 8 * sizeof(Word) - 1;
+    static constexpr bool kForDevices = sizeof(Word) == 4;  // half the registers of 64 bits
   };
 
   Word trail, key;
 
   ACCEL_HD void begin() { trail = 0, key = 1; }
+  ACCEL_HD Word hashed_key() const { return key; }
 
   template <class Observer>
   ACCEL_HD void step_down(std::uint32_t side, bool postponed, std::uint64_t, Observer&) {
@@ -95,6 +95,7 @@ struct DeepPath {
   Stack* stack;
 
   ACCEL_HD void begin() { trail = 0, key = NodeKey{}, halves = 0; }
+  ACCEL_HD std::uint64_t hashed_key() const { return key.hashed(); }
 
   template <class Observer>
   ACCEL_HD void step_down(std::uint32_t side, bool postponed, std::uint64_t multiplier, Observer& observer) {
@@ -153,13 +154,5 @@ struct DeepPath {
     key = {static_cast<std::uint64_t>(half.key) << turns | (key.window & below), half.prefix};
   }
 };
-
-// The specialisation of a family of traversers, Family<Path>::type, that a tree needs: visit(std::type_identity<it>).
-template <template <class> class Family, class Visit>
-decltype(auto) with_path_for(const Bvh2View& view, Visit&& visit) {
-  if (view.depth <= kMaxDepth32) return visit(std::type_identity<typename Family<NodePath<std::uint32_t>>::type>{});
-  if (view.depth <= kMaxDepth64) return visit(std::type_identity<typename Family<NodePath<std::uint64_t>>::type>{});
-  return visit(std::type_identity<typename Family<DeepPath>::type>{});
-}
 
 }  // namespace accel

@@ -35,10 +35,11 @@
 //                                                   // intersect() reads changes while the ray goes on
 //     static constexpr Phase kAfterLeaf = ...;      // what intersect() returns when the leaf has ended
 //
-// Specialisations. A traverser that serves all structures of its kind may have others that do the same for some of them with
-// less state, in shallow trees say (SpecialisedTraverser). Executors ask for the best one, once a batch, by with_traverser():
+// Specialisations. A traverser that serves trees of any depth may have others that do the same in shallow ones with less state
+// (SpecialisedTraverser). It lists them, the shallowest first; executors choose once a batch, by with_traverser():
 //
-//     template <class Visit> static decltype(auto) specialised(const View&, Visit&&);  // visit(std::type_identity<It>{})
+//     using Specialisations = TypeList<...>;       // traversers, each with its kMaxDepth; View has the tree's depth
+//     static constexpr bool kForDevices = true;    // optional, of a specialisation: what it saves is nothing on a CPU
 //
 // During traversal hit.t is the end of the interval that is still of interest; begin_hit() and accept_hit() keep the rules that
 // all traversers share, so that all of them name the same triangle. finish_hit() turns the state into an answer.
@@ -51,6 +52,7 @@
 
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
+#include "libaccel/core/type_list.h"
 
 namespace accel {
 
@@ -94,15 +96,40 @@ concept SpeculativeTraverser = requires(typename Traverser::State& state) {
 };
 
 template <class Traverser>
-concept SpecialisedTraverser = requires(const typename Traverser::View& view) {
-  Traverser::specialised(view, [](auto) {});
+concept SpecialisedTraverser = requires {
+  Traverser::Specialisations::size;
 };
 
+enum class Machine : std::uint8_t { cpu, device };
+
+namespace detail {
+
+template <class Traverser, Machine kMachine>
+constexpr bool pays_on() {
+  if constexpr (requires { Traverser::kForDevices; })
+    return kMachine == Machine::device || !Traverser::kForDevices;
+  else
+    return true;
+}
+
+template <class Traverser, Machine kMachine, class Visit>
+decltype(auto) visit_first_deep_enough(TypeList<>, std::uint32_t, Visit& visit) {
+  return visit(std::type_identity<Traverser>{});
+}
+template <class Traverser, Machine kMachine, class First, class... Rest, class Visit>
+decltype(auto) visit_first_deep_enough(TypeList<First, Rest...>, std::uint32_t depth, Visit& visit) {
+  if constexpr (pays_on<First, kMachine>())
+    if (depth <= First::kMaxDepth) return visit(std::type_identity<First>{});
+  return visit_first_deep_enough<Traverser, kMachine>(TypeList<Rest...>{}, depth, visit);
+}
+
+}  // namespace detail
+
 // visit(std::type_identity<T>{}) with the traverser that serves this structure best.
-template <class Traverser, class Visit>
+template <class Traverser, Machine kMachine = Machine::cpu, class Visit>
 decltype(auto) with_traverser(const typename Traverser::View& view, Visit&& visit) {
   if constexpr (SpecialisedTraverser<Traverser>)
-    return Traverser::specialised(view, visit);
+    return detail::visit_first_deep_enough<Traverser, kMachine>(typename Traverser::Specialisations{}, view.depth, visit);
   else
     return visit(std::type_identity<Traverser>{});
 }

@@ -144,10 +144,8 @@ class Laws {
     EXPECT_TRUE(is_within(dropping.nodes, stack.nodes));
 
     check_path<DeepPath, kQuery>(ray, stack, dropping);
-    if (plain_.depth <= kMaxDepth32)
-      check_path<NodePath<std::uint32_t>, kQuery>(ray, stack, dropping);
-    else if (plain_.depth <= kMaxDepth64)
-      check_path<NodePath<std::uint64_t>, kQuery>(ray, stack, dropping);
+    if (plain_.depth <= kMaxDepth32) check_path<NodePath<std::uint32_t>, kQuery>(ray, stack, dropping);
+    if (plain_.depth <= kMaxDepth64) check_path<NodePath<std::uint64_t>, kQuery>(ray, stack, dropping);
     if (plain_.depth <= kMaxDepth64) check_shallow_trail<kQuery>(ray, dropping);
 
     expect_same(record<Bvh2Parent<Watertight, kQuery>>(parents_, parents_view_, ray), dropping, "parent");

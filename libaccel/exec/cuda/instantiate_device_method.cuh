@@ -80,8 +80,8 @@ struct LaunchVisitor {
 template <class Method, class Test, Query kQuery>
 Status launch_trace(const Launch& launch) {
   using Traverser = typename Method::template Traverser<Test, kQuery>;
-  return with_traverser<Traverser>(*std::any_cast<typename Traverser::View>(&launch.view),
-                                   LaunchVisitor<Traverser, kQuery>{launch});
+  return with_traverser<Traverser, Machine::device>(*std::any_cast<typename Traverser::View>(&launch.view),
+                                                    LaunchVisitor<Traverser, kQuery>{launch});
 }
 
 template <class Traverser>
