@@ -338,16 +338,12 @@ std::string notes(const std::vector<SceneResult>& results) {
       "Sponza here is Dabrovic's with 66,454 triangles, the paper's Crytek's; Conference has 331,179 triangles here.");
   text += paragraph(
       "Tables are sized by the keys that can be looked up, the paper's by all nodes. Times to make them are those of a CPU "
-      "here, of a "
-      "GeForce GTX Titan X there.");
+      "here, of a GeForce GTX Titan X there.");
   text += paragraph(
       "On a CPU the stack lies in the nearest cache and costs next to nothing, and it remembers where the ray enters a "
-      "postponed "
-      "node, so that the node is dropped unread when a nearer hit was found; stackless versions read it and test its "
-      "children's "
-      "boxes. The paper's stack version does not drop nodes either, and pays for its stack with memory traffic. The steps "
-      "above "
-      "tell the first effect, the bytes of stack and hash the second.");
+      "postponed node, so that the node is dropped unread when a nearer hit was found; stackless versions read it and test its "
+      "children's boxes. The paper's stack version does not drop nodes either, and pays for its stack with memory traffic. The "
+      "steps above tell the first effect, the bytes of stack and hash the second.");
   return text;
 }
 
@@ -372,12 +368,9 @@ Json row_json(std::size_t s, std::size_t m, int kind, const SceneResult& r, cons
 }  // namespace
 
 Result<Report> bk16(const Settings& settings) {
-  std::vector<SceneResult> results;
-  for (const SceneFigures& figures : kScenes) {
-    auto result = measure(figures, settings);
-    if (!result) return Error{std::string(figures.scene.title) + ": " + result.message()};
-    results.push_back(*std::move(result));
-  }
+  const Result<std::vector<SceneResult>> measured = measure_all<SceneResult>(kScenes, measure, settings);
+  if (!measured) return measured.error();
+  const std::vector<SceneResult>& results = *measured;
   Report report;
   report.text =
       "Binder and Keller 2016, Efficient Stackless Hierarchy Traversal on GPUs with Backtracking in Constant Time\n\n" +

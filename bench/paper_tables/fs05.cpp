@@ -326,8 +326,7 @@ std::string notes(const std::vector<SceneResult>& results) {
   for (const Table2Figures& figures : kTable2) text += counts_note(figures, results[figures.scene]);
   text += paragraph(
       "Leaves and tests tell how near the view is, steps to a leaf how the trees differ: ours split clipped triangles and cut "
-      "off "
-      "empty space, from the same costs.");
+      "off empty space, from the same costs.");
   const auto grid = [&](std::size_t s) { return results[s].methods[kGrid]->while_ms / results[s].methods[kRestart]->while_ms; };
   text += paragraph(
       print("Grid against Restart, while-while: %.2f on Bunny (paper 0.51), %.2f on Robots (paper 8.62).", grid(1), grid(2)));
@@ -367,12 +366,9 @@ Json row_json(std::size_t scene, int m, const SceneResult& result, const Setting
 }  // namespace
 
 Result<Report> fs05(const Settings& settings) {
-  std::vector<SceneResult> results;
-  for (const SceneFigures& figures : kScenes) {
-    auto result = measure(figures, settings);
-    if (!result) return Error{std::string(figures.scene.title) + ": " + result.message()};
-    results.push_back(*std::move(result));
-  }
+  const Result<std::vector<SceneResult>> measured = measure_all<SceneResult>(kScenes, measure, settings);
+  if (!measured) return measured.error();
+  const std::vector<SceneResult>& results = *measured;
   Report report;
   report.text = "Foley and Sugerman 2005, KD-Tree Acceleration Structures for a GPU Raytracer\n\n" + table1(results, settings) +
                 table2(results) + table3(results) + streams(results) + notes(results);

@@ -41,6 +41,18 @@ struct LoadedScene {
 };
 Result<LoadedScene> load(const PaperScene& scene, const Settings& settings);
 
+// measure(figures, settings) for each scene of a paper's figures; an error names the scene.
+template <class SceneResult, class Figures, class Measure>
+Result<std::vector<SceneResult>> measure_all(const Figures& scenes, const Measure& measure, const Settings& settings) {
+  std::vector<SceneResult> results;
+  for (const auto& figures : scenes) {
+    Result<SceneResult> result = measure(figures, settings);
+    if (!result) return Error{std::string(figures.scene.title) + ": " + result.message()};
+    results.push_back(*std::move(result));
+  }
+  return results;
+}
+
 // What the scene's first camera sees, or the default camera: one ray a pixel, row by row. And what lights it.
 Result<RaySet> primary_rays(const SceneData& scene, std::uint32_t size);
 LightDescription light_of(const SceneData& scene);
