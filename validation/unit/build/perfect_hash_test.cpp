@@ -15,6 +15,7 @@
 #include "libaccel/build/sbvh.h"
 #include "libaccel/core/counter_rng.h"
 #include "scenes/procedural.h"
+#include "validation/stress/hash_trial.h"
 #include "validation/stress/random_bvh2.h"
 #include "validation/stress/stress_scenes.h"
 
@@ -104,18 +105,12 @@ TEST(PerfectHash, TablesAreTheSameForAnyNumberOfThreads) {
   }
 }
 
-// validate() looks up every key that may be looked up, and counts that there is no other.
+// A million in bench/hash_sweep.
 TEST(PerfectHash, SucceedsOnRandomSkewedAndDegenerateTrees) {
-  const TriangleMesh mesh = validation::mesh_of(validation::random_triangles(160, 0.3f, 1));
-  for (std::uint64_t seed = 0; seed < 300; ++seed)
-    for (const validation::TreeShape shape : validation::kTreeShapes) {
-      Bvh2 tree = validation::random_bvh2(mesh, seed, {.shape = shape, .leaf_size = 1 + static_cast<std::uint32_t>(seed % 3)});
-      BuildReport report;
-      const Status added = add_hash(tree, seed % 2 == 0 ? HashedKeys::looked_up : HashedKeys::all, report);
-      ASSERT_TRUE(added) << seed << ": " << (added ? "" : added.message());
-      const Status valid = validate(tree, mesh.size());
-      ASSERT_TRUE(valid) << seed << ": " << (valid ? "" : valid.message());
-    }
+  for (std::uint64_t number = 0; number < 2000; ++number) {
+    const Status status = validation::try_hash(number).status;
+    ASSERT_TRUE(status) << number << ": " << status.message();
+  }
 }
 
 TEST(PerfectHash, NoTablesWhereNoKeyIsLookedUp) {
