@@ -142,31 +142,6 @@ Result<Built<Bvh2>> build_over_instances(const TriangleMesh& stand_in_mesh, Buil
   });
 }
 
-// Puts trees one behind the other.
-TwoLevelBvh joined(const std::vector<Bvh2>& trees, const std::vector<std::uint64_t>& triangles) {
-  TwoLevelBvh result;
-  result.trees = Buffer<TwoLevelTree>(trees.size());
-  std::uint64_t nodes = 0, quads = 0;
-  for (std::size_t i = 0; i < trees.size(); ++i) {
-    TwoLevelTree tree{};
-    static_cast<Bvh2Words&>(tree) = trees[i];
-    tree.first_node = nodes, tree.nodes = trees[i].nodes.size();
-    tree.first_quad = quads, tree.quads = trees[i].leaves.size();
-    tree.triangles = triangles[i];
-    nodes += tree.nodes, quads += tree.quads;
-    result.trees[i] = tree;
-    result.depth = std::max(result.depth, tree.depth);
-  }
-  result.instance_depth = trees[0].depth;
-  result.nodes = Buffer<Bvh2Node>(nodes);
-  result.leaves = Buffer<LeafQuad>(quads);
-  for (std::size_t i = 0; i < trees.size(); ++i) {
-    std::copy(trees[i].nodes.begin(), trees[i].nodes.end(), result.nodes.begin() + result.trees[i].first_node);
-    std::copy(trees[i].leaves.begin(), trees[i].leaves.end(), result.leaves.begin() + result.trees[i].first_quad);
-  }
-  return result;
-}
-
 // A build in its parts, whose reports add up.
 class Builder {
  public:
@@ -180,7 +155,7 @@ class Builder {
     place_instances();
     if (const Status built = build_top(); !built) return built.error();
 
-    TwoLevelBvh bvh = joined(trees_, triangles_);
+    TwoLevelBvh bvh = TwoLevelBvh::join(trees_, triangles_);
     bvh.instances = instances_;
     report_.peak_bytes = std::max<std::uint64_t>(report_.peak_bytes, held_ + bvh.size_bytes());
     const std::uint64_t stored = report_.triangles;

@@ -27,6 +27,7 @@
 #include "libaccel/build/builder.h"
 #include "libaccel/build/bvh2_extras.h"
 #include "libaccel/build/kdtree_extras.h"
+#include "libaccel/build/two_level_extras.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/core/threads.h"
 #include "libaccel/geometry/instanced_meshes.h"

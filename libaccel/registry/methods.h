@@ -23,6 +23,7 @@
 #include "libaccel/trace/bvh2_stack.h"
 #include "libaccel/trace/bvh2_uncle.h"
 #include "libaccel/trace/grid_dda.h"
+#include "libaccel/trace/instances_hash.h"
 #include "libaccel/trace/instances_stack.h"
 #include "libaccel/trace/kdtree_backtrack.h"
 #include "libaccel/trace/kdtree_restart.h"
@@ -32,24 +33,25 @@
 
 namespace accel {
 
-using Methods = TypeList<                    //
-    Method<ListBuilder, BruteForce>,         // brute/loop
-    Method<BinnedSah, Bvh2Stack>,            // bvh/stack
-    Method<Sbvh, Bvh2Stack>,                 // sbvh/stack
-    Method<Sbvh, Bvh2Hash>,                  // sbvh/hash
-    Method<Sbvh, Bvh2Uncle>,                 // sbvh/uncle
-    Method<Sbvh, Bvh2Sibling>,               // sbvh/sibling
-    Method<Sbvh, Bvh2Parent>,                // sbvh/parent
-    Method<Sbvh, Bvh2RestartTrail>,          // sbvh/restart-trail
-    Method<Sbvh, Bvh2Skip>,                  // sbvh/skip
-    Method<Sbvh, Bvh2SkipOctant>,            // sbvh/skip-octant
-    Method<GridBuilder, GridDda>,            // grid/dda
-    Method<KdTreeSah, KdTreeStack>,          // kdtree/stack
-    Method<KdTreeSah, KdTreeRestart>,        // kdtree/restart
-    Method<KdTreeSah, KdTreeBacktrack>,      // kdtree/backtrack
-    Method<KdTreeSah, KdTreeShortStack>,     // kdtree/short-stack
-    Method<KdTreeSah, KdTreeRopes>,          // kdtree/ropes
-    Method<InstanceBuilder, InstancesStack>  // instances/stack
+using Methods = TypeList<                     //
+    Method<ListBuilder, BruteForce>,          // brute/loop
+    Method<BinnedSah, Bvh2Stack>,             // bvh/stack
+    Method<Sbvh, Bvh2Stack>,                  // sbvh/stack
+    Method<Sbvh, Bvh2Hash>,                   // sbvh/hash
+    Method<Sbvh, Bvh2Uncle>,                  // sbvh/uncle
+    Method<Sbvh, Bvh2Sibling>,                // sbvh/sibling
+    Method<Sbvh, Bvh2Parent>,                 // sbvh/parent
+    Method<Sbvh, Bvh2RestartTrail>,           // sbvh/restart-trail
+    Method<Sbvh, Bvh2Skip>,                   // sbvh/skip
+    Method<Sbvh, Bvh2SkipOctant>,             // sbvh/skip-octant
+    Method<GridBuilder, GridDda>,             // grid/dda
+    Method<KdTreeSah, KdTreeStack>,           // kdtree/stack
+    Method<KdTreeSah, KdTreeRestart>,         // kdtree/restart
+    Method<KdTreeSah, KdTreeBacktrack>,       // kdtree/backtrack
+    Method<KdTreeSah, KdTreeShortStack>,      // kdtree/short-stack
+    Method<KdTreeSah, KdTreeRopes>,           // kdtree/ropes
+    Method<InstanceBuilder, InstancesStack>,  // instances/stack
+    Method<InstanceBuilder, InstancesHash>    // instances/hash
     >;
 
 }  // namespace accel

@@ -2,7 +2,7 @@
 //
 // Each mesh has one tree in its own space, however often it is placed; a ray that reaches an instance goes on in that space
 // (core/affine.h). The trees lie one behind the other in shared arrays, each with references that count from its own first node
-// and quad, so that every one of them is a Bvh2 as it stands.
+// and quad, so that every one of them is a Bvh2 as it stands; links and hash tables are those of each tree by itself.
 //
 // The tree over instances. It is an ordinary Bvh2 over stand-ins: degenerate triangles from the lower to the upper corner of an
 // instance's world box, with the number of the instance in place of a prim_id. So builders, statistics and annotations know
@@ -14,6 +14,9 @@
 // what they should, is the builder's word.
 #pragma once
 
+#include <bit>
+#include <vector>
+
 #include "libaccel/core/affine.h"
 #include "libaccel/structure/bvh2.h"
 
@@ -23,7 +26,10 @@ namespace accel {
 struct TwoLevelTree : Bvh2Words {
   std::uint64_t first_node = 0, nodes = 0;
   std::uint64_t first_quad = 0, quads = 0;
-  std::uint64_t triangles = 0;  // of the mesh; of tree 0: instances
+  std::uint64_t first_displacement = 0, displacements = 0;
+  std::uint64_t first_slot = 0, slots = 0;
+  std::uint64_t hash_reciprocal = 0;  // NodeHashView::reciprocal: rays that enter an instance do not divide
+  std::uint64_t triangles = 0;        // of the mesh; of tree 0: instances
 };
 static_assert(std::is_trivially_copyable_v<TwoLevelTree>);
 
@@ -41,10 +47,18 @@ struct TwoLevelView {
   const LeafQuad* leaves = nullptr;
   const TwoLevelTree* trees = nullptr;  // null: an empty scene
   const TwoLevelInstance* instances = nullptr;
+  const std::uint32_t* displacements = nullptr;
+  const NodeRef* slots = nullptr;
+  std::uint32_t depth = 0;  // of the deepest tree
 
   ACCEL_HD Bvh2View tree(std::uint32_t i) const {
     const TwoLevelTree& t = trees[i];
-    return {nodes + t.first_node, leaves + t.first_quad, t.root};
+    Bvh2View view{nodes + t.first_node, leaves + t.first_quad, t.root, t.depth};
+    view.hash.displacements = displacements + t.first_displacement, view.hash.slots = slots + t.first_slot;
+    view.hash.multiplier = t.hash_multiplier, view.hash.reciprocal = t.hash_reciprocal;
+    view.hash.slot_count = static_cast<std::uint32_t>(t.slots);
+    view.hash.log2_of_buckets = static_cast<std::uint32_t>(std::bit_width(t.displacements)) - 1;  // unused if there are none
+    return view;
   }
 };
 
@@ -62,19 +76,31 @@ struct TwoLevelBvh : TwoLevelWords {
   Buffer<LeafQuad> leaves;
   Buffer<TwoLevelTree> trees;
   Buffer<TwoLevelInstance> instances;
+  Buffer<std::uint32_t> displacements;
+  Buffer<NodeRef> slots;
 
+  static constexpr Bvh2Extras kExtras[] = {Bvh2Extras::parents, Bvh2Extras::uncles, Bvh2Extras::hash, Bvh2Extras::full_hash};
+  static constexpr const char* extras_name(Bvh2Extras extras) { return Bvh2::extras_name(extras); }
+  bool has(Bvh2Extras extras) const;  // in every tree
   template <class Self, class Visit>
   static void for_each_array(Self& self, Visit&& visit) {
     visit("nodes", self.nodes);
     visit("leaves", self.leaves);
     visit("trees", self.trees);
     visit("instances", self.instances);
+    visit("hash.displacements", self.displacements);
+    visit("hash.slots", self.slots);
   }
   std::size_t size_bytes() const { return bytes_of_arrays(*this); }
-  TwoLevelView view() const { return {nodes.data(), leaves.data(), trees.data(), instances.data()}; }
+  TwoLevelView view() const {
+    return {nodes.data(), leaves.data(), trees.data(), instances.data(), displacements.data(), slots.data(), depth};
+  }
 
-  // Tree i as a structure of its own that shares the arrays. The tree's range lies in them.
+  // Tree i as a structure of its own that shares the arrays. The tree's ranges lie in them.
   Bvh2 tree(std::size_t i) const;
+
+  // Puts trees one behind the other, that over instances first: all but the instances. triangles[i] is TwoLevelTree's.
+  static TwoLevelBvh join(const std::vector<Bvh2>& trees, const std::vector<std::uint64_t>& triangles);
 };
 
 // As validate(const Bvh2&, ...); `triangle_count` is the number of prim_ids of the whole scene.

@@ -93,12 +93,16 @@ struct Bvh2HashWith : Path::Traits {
   ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
     const Phase next =
         intersect_next<Test, kQuery>(view.leaves, ray, s.test, s.boxes.t_min, s.quad, hit, Phase::backtrack, observer);
-    if (next == Phase::backtrack) {
-      if constexpr (kMask) drop_disjoint(s, hit);  // before the register is filled, which the links here are for
-      if constexpr (kDistance) drop_recent(s, hit);
-      recall_in_leaf(s, view.leaves[s.quad].link);
-    }
-    return next;
+    return next == Phase::backtrack ? end_leaf(view, s, hit) : next;
+  }
+
+  // Of the state in a leaf; what both are for: see trace/two_level.h.
+  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.quad; }
+  ACCEL_HD static Phase end_leaf(const View& view, State& s, const Hit& hit) {
+    if constexpr (kMask) drop_disjoint(s, hit);  // before the register is filled, which the links here are for
+    if constexpr (kDistance) drop_recent(s, hit);
+    recall_in_leaf(s, view.leaves[s.quad].link);
+    return Phase::backtrack;
   }
 
   template <class Observer>
@@ -155,13 +159,10 @@ struct Bvh2HashWith : Path::Traits {
 
   template <class Observer>
   ACCEL_HD static NodeRef look_up(const View& view, const State& state, Observer& observer) {
-    if constexpr (std::is_same_v<Path, DeepPath>) {
-      const std::uint64_t key = state.key.hashed();
-      return view.depth <= kMaxDepth32 ? find(view.hash, static_cast<std::uint32_t>(key), observer)
-                                       : find(view.hash, key, observer);
-    } else {
-      return find(view.hash, state.key, observer);
-    }
+    const auto key = state.hashed_key();
+    if constexpr (sizeof key == 8)
+      if (view.depth > kMaxDepth32) return find(view.hash, key, observer);
+    return find(view.hash, static_cast<std::uint32_t>(key), observer);
   }
 
   template <class Key, class Observer>
@@ -190,17 +191,11 @@ struct Bvh2HashWith : Path::Traits {
   }
 };
 
-// The method: serves all trees; specialised() names what serves the tree at hand best.
+// The method, for trees of any depth.
 template <class Test, Query kQuery>
 struct Bvh2Hash : Bvh2HashWith<Test, kQuery, DeepPath> {
-  template <class Path>
-  struct Family {
-    using type = Bvh2HashWith<Test, kQuery, Path>;
-  };
-  template <class Visit>
-  static decltype(auto) specialised(const Bvh2View& view, Visit&& visit) {
-    return with_path_for<Family>(view, visit);
-  }
+  using Specialisations =
+      TypeList<Bvh2HashWith<Test, kQuery, NodePath<std::uint32_t>>, Bvh2HashWith<Test, kQuery, NodePath<std::uint64_t>>>;
 };
 
 }  // namespace accel

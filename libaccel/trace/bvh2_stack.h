@@ -41,6 +41,7 @@ struct Bvh2StackWith {
   };
 
   ACCEL_HD static std::uint32_t& leaf(State& state) { return state.quad; }
+  ACCEL_HD static Phase end_leaf(const View&, State&, const Hit&) { return kAfterLeaf; }  // see trace/two_level.h
 
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {

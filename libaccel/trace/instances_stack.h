@@ -7,6 +7,6 @@
 namespace accel {
 
 template <class Test, Query kQuery>
-using InstancesStack = TwoLevel<Bvh2Stack, Test, kQuery>;
+using InstancesStack = TwoLevel<Bvh2Stack<Test, kQuery>, kQuery>;
 
 }  // namespace accel

@@ -2,8 +2,12 @@
 // Resuming": the state of the ray is stored, a new one is made for the instance, and on return the old one is resumed.
 //
 // A state is paused by copying it, and the base traverser is the same code on both levels, on another tree and with another
-// ray. What it must offer beyond trace/traverser.h is what speculation needs too: leaf(state), the quad of the leaf that it is
-// in, and kAfterLeaf, what it does when the leaf has ended. A leaf of the tree over instances is walked here.
+// ray. A leaf of the tree over instances is walked here. For that the base traverser offers two functions more:
+//
+//     ACCEL_HD static std::uint32_t& leaf(State&);                   // the quad of the leaf that it is in
+//     ACCEL_HD static Phase end_leaf(const View&, State&, const Hit&);  // what it does at the leaf's terminator
+//
+// Each specialisation of the base traverser makes one of these.
 //
 // Hits. Inside of an instance the search starts from no hit, in the interval that is left: it names the triangle with the
 // lowest number in the mesh, ties with the hit so far included. accept_hit() then chooses between the two by their prim_ids in
@@ -20,7 +24,38 @@
 
 namespace accel {
 
+template <class Base, Query kQuery>
+struct TwoLevel;
+
 namespace detail {
+
+// What the base traverser reads, where it says so.
+template <class Base>
+struct TwoLevelNeeds {};
+template <class Base>
+requires requires { Base::kNeeds; }
+struct TwoLevelNeeds<Base> {
+  static constexpr const auto& kNeeds = Base::kNeeds;
+};
+
+template <class Base>
+struct TwoLevelTraits : TwoLevelNeeds<Base> {};
+template <class Base>
+requires requires { Base::kForDevices; }
+struct TwoLevelTraits<Base> : TwoLevelNeeds<Base> {
+  static constexpr bool kForDevices = Base::kForDevices;
+};
+
+template <class Base, Query kQuery>
+struct TwoLevelSpecialisations {
+  using type = TypeList<>;
+};
+template <SpecialisedTraverser Base, Query kQuery>
+struct TwoLevelSpecialisations<Base, kQuery> {
+  template <class... Ts>
+  using Each = TypeList<TwoLevel<Ts, kQuery>...>;
+  using type = typename Base::Specialisations::template Apply<Each>;
+};
 
 // A stack for each level, where the base traverser has one; nothing, not even a type, where it has none.
 template <class Base>
@@ -39,11 +74,12 @@ struct TwoLevelStack<Base> {
 
 }  // namespace detail
 
-template <template <class, Query> class BaseTraverser, class Test, Query kQuery>
-struct TwoLevel : detail::TwoLevelStack<BaseTraverser<Test, kQuery>> {
-  using Base = BaseTraverser<Test, kQuery>;
+// kQuery is the base traverser's.
+template <class Base, Query kQuery>
+struct TwoLevel : detail::TwoLevelStack<Base>, detail::TwoLevelTraits<Base> {
   static constexpr const char* kName = Base::kName;
   using View = TwoLevelView;
+  using Specialisations = typename detail::TwoLevelSpecialisations<Base, kQuery>::type;
   static constexpr std::uint32_t kMaxDepth = Base::kMaxDepth;
 
   struct State : detail::TwoLevelStack<Base>::Pointer {
@@ -123,7 +159,7 @@ struct TwoLevel : detail::TwoLevelStack<BaseTraverser<Test, kQuery>> {
     s.ray = ray, s.tree = view.tree(0);
     const std::uint32_t quad = Base::leaf(s.active);
     observer.load(Memory::node, s.tree.leaves + quad, sizeof(LeafQuad));
-    return is_end_of_leaf(s.tree.leaves, quad) ? Base::kAfterLeaf : Phase::intersect;
+    return is_end_of_leaf(s.tree.leaves, quad) ? Base::end_leaf(s.tree, s.active, hit) : Phase::intersect;
   }
 };
 

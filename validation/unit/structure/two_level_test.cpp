@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "libaccel/build/instances.h"
+#include "libaccel/build/two_level_extras.h"
 #include "libaccel/core/counter_rng.h"
 #include "validation/stress/stress_instances.h"
 
@@ -18,6 +19,10 @@ InstancedMeshes scene() { return validation::instanced_scenes()[7].scene; }
 TwoLevelBvh built() {
   auto result = InstanceBuilder::build(scene(), {});
   EXPECT_TRUE(result) << result.message();
+  for (const Bvh2Extras extras : {Bvh2Extras::uncles, Bvh2Extras::full_hash}) {
+    const Status added = add_extras(result->structure, extras, result->report);
+    EXPECT_TRUE(added) << added.message();
+  }
   return std::move(result->structure);
 }
 
@@ -55,6 +60,17 @@ TEST(ValidateTwoLevel, Trees) {
   EXPECT_NE(complaint([](TwoLevelBvh& b) { b.trees = {}; }), "");
   EXPECT_NE(complaint([](TwoLevelBvh& b) { b.nodes.truncate(b.nodes.size() - 1); }), "");
   EXPECT_NE(complaint([](TwoLevelBvh& b) { b.leaves.truncate(b.leaves.size() - 1); }), "");
+}
+
+TEST(ValidateTwoLevel, HashTables) {
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.trees[2].first_displacement += 1; }), "");
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.trees[1].displacements *= 2; }), "");
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.trees[1].slots = std::numeric_limits<std::uint64_t>::max(); }), "");
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.trees[2].first_slot = 0; }), "");
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.trees[2].hash_reciprocal += 1; }), "");
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.trees[2].hash_multiplier ^= 1ull << 50; }), "");
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.slots[b.slots.size() - 1] ^= 1; }), "");
+  EXPECT_NE(complaint([](TwoLevelBvh& b) { b.displacements.truncate(b.displacements.size() - 1); }), "");
 }
 
 TEST(ValidateTwoLevel, Instances) {

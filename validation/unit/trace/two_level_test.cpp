@@ -10,6 +10,8 @@
 #include "libaccel/build/sbvh.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/watertight.h"
+#include "libaccel/registry/annotate.h"
+#include "libaccel/trace/instances_hash.h"
 #include "libaccel/trace/instances_stack.h"
 #include "validation/oracle/brute_instances.h"
 #include "validation/stress/stress_instances.h"
@@ -22,20 +24,40 @@ namespace {
 using validation::brute_force;
 using validation::InstancedScene;
 
-using Closest = InstancesStack<Watertight, Query::closest>;
-using Any = InstancesStack<Watertight, Query::any>;
+// A base traverser, and the structures that it reads.
+struct Stack {
+  template <Query kQuery>
+  using Base = Bvh2Stack<Watertight, kQuery>;
+};
+template <class Path>
+struct Hash {
+  template <Query kQuery>
+  using Base = Bvh2HashWith<Watertight, kQuery, Path>;
+};
 
-TwoLevelBvh built(const InstancedMeshes& scene) {
-  auto result = InstanceBuilder::build(scene, {});
-  EXPECT_TRUE(result) << result.message();
-  return std::move(result->structure);
-}
+template <class Kind>
+class TwoLevelTraversal : public testing::Test {
+ protected:
+  using Closest = TwoLevel<typename Kind::template Base<Query::closest>, Query::closest>;
+  using Any = TwoLevel<typename Kind::template Base<Query::any>, Query::any>;
 
-std::vector<Hit> closest(const TwoLevelBvh& bvh, const std::vector<Ray>& rays) {
-  std::vector<Hit> hits(rays.size());
-  trace_closest<Closest>(bvh.view(), rays, hits, 1);
-  return hits;
-}
+  static TwoLevelBvh built(const InstancedMeshes& scene) {
+    auto result = InstanceBuilder::build(scene, {});
+    EXPECT_TRUE(result) << result.message();
+    const Status annotated = annotate<Closest>(result->structure, "test", 0, result->report);
+    EXPECT_TRUE(annotated) << annotated.message();
+    EXPECT_LE(result->structure.depth, Closest::kMaxDepth);
+    return std::move(result->structure);
+  }
+
+  static std::vector<Hit> closest(const TwoLevelBvh& bvh, const std::vector<Ray>& rays) {
+    std::vector<Hit> hits(rays.size());
+    trace_closest<Closest>(bvh.view(), rays, hits, 1);
+    return hits;
+  }
+};
+using Kinds = testing::Types<Stack, Hash<NodePath<std::uint32_t>>, Hash<NodePath<std::uint64_t>>, Hash<DeepPath>>;
+TYPED_TEST_SUITE(TwoLevelTraversal, Kinds);
 
 void expect_same(const Hit& hit, const Hit& expected, const std::string& what) {
   EXPECT_EQ(hit.prim_id, expected.prim_id) << what;
@@ -44,11 +66,11 @@ void expect_same(const Hit& hit, const Hit& expected, const std::string& what) {
   EXPECT_EQ(hit.v, expected.v) << what;
 }
 
-TEST(TwoLevelTraversal, FindsWhatBruteForceFinds) {
+TYPED_TEST(TwoLevelTraversal, FindsWhatBruteForceFinds) {
   for (const InstancedScene& s : validation::instanced_scenes()) {
     const std::vector<Ray> rays = validation::instance_rays(s.scene, 2000);
-    const TwoLevelBvh bvh = built(s.scene);
-    const std::vector<Hit> hits = closest(bvh, rays);
+    const TwoLevelBvh bvh = this->built(s.scene);
+    const std::vector<Hit> hits = this->closest(bvh, rays);
     std::size_t found = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       expect_same(hits[i], brute_force<Watertight>(s.scene, rays[i]), s.name + ", ray " + std::to_string(i));
@@ -58,19 +80,19 @@ TEST(TwoLevelTraversal, FindsWhatBruteForceFinds) {
   }
 }
 
-TEST(TwoLevelTraversal, AnyHitIffClosestHit) {
+TYPED_TEST(TwoLevelTraversal, AnyHitIffClosestHit) {
   for (const InstancedScene& s : validation::instanced_scenes(2)) {
     const std::vector<Ray> rays = validation::instance_rays(s.scene, 2000, 2);
-    const TwoLevelBvh bvh = built(s.scene);
-    const std::vector<Hit> hits = closest(bvh, rays);
+    const TwoLevelBvh bvh = this->built(s.scene);
+    const std::vector<Hit> hits = this->closest(bvh, rays);
     std::vector<std::uint8_t> any(rays.size());
-    trace_any<Any>(bvh.view(), rays, any, 1);
+    trace_any<typename TestFixture::Any>(bvh.view(), rays, any, 1);
     for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(any[i] != 0, hits[i].valid()) << s.name << ", ray " << i;
   }
 }
 
 // One identity instance is the mesh itself, to the last bit.
-TEST(TwoLevelTraversal, IdentityChangesNothing) {
+TYPED_TEST(TwoLevelTraversal, IdentityChangesNothing) {
   for (const validation::StressScene& s : validation::stress_scenes()) {
     const std::vector<Ray> rays = validation::stress_rays(s.mesh, 1000);
     const auto scene = InstancedMeshes::make({s.mesh}, {Instance{}});
@@ -79,13 +101,13 @@ TEST(TwoLevelTraversal, IdentityChangesNothing) {
     ASSERT_TRUE(single) << single.message();
     std::vector<Hit> expected(rays.size());
     trace_closest<Bvh2Stack<Watertight, Query::closest>>(single->structure.view(), rays, expected, 1);
-    const std::vector<Hit> hits = closest(built(*scene), rays);
+    const std::vector<Hit> hits = this->closest(this->built(*scene), rays);
     for (std::size_t i = 0; i < rays.size(); ++i) expect_same(hits[i], expected[i], s.name + ", ray " + std::to_string(i));
   }
 }
 
 // Several identity instances of parts are the union of the parts: the numbers go on from part to part.
-TEST(TwoLevelTraversal, IdentityInstancesOfPartsAreTheirUnion) {
+TYPED_TEST(TwoLevelTraversal, IdentityInstancesOfPartsAreTheirUnion) {
   const auto first = validation::random_triangles(80, 0.4f, 3), second = validation::random_triangles(50, 0.4f, 4);
   auto all = first;
   all.insert(all.end(), second.begin(), second.end());
@@ -93,20 +115,20 @@ TEST(TwoLevelTraversal, IdentityInstancesOfPartsAreTheirUnion) {
   const auto whole = InstancedMeshes::make({validation::mesh_of(all)}, {Instance{}});
   ASSERT_TRUE(scene && whole);
   const std::vector<Ray> rays = validation::stress_rays(validation::mesh_of(all), 4000);
-  const TwoLevelBvh bvh = built(*scene);
-  const std::vector<Hit> hits = closest(bvh, rays);
+  const TwoLevelBvh bvh = this->built(*scene);
+  const std::vector<Hit> hits = this->closest(bvh, rays);
   for (std::size_t i = 0; i < rays.size(); ++i)
     expect_same(hits[i], brute_force<Watertight>(*whole, rays[i]), "ray " + std::to_string(i));
 }
 
-TEST(TwoLevelTraversal, TiesGoToTheLowestNumber) {
+TYPED_TEST(TwoLevelTraversal, TiesGoToTheLowestNumber) {
   const TriangleMesh mesh = validation::mesh_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
   const std::vector<Instance> instances(20, Instance{0, validation::placed_at({3, 2, 1}, {1, 1, 1}, 5, 5)});
   const auto scene = InstancedMeshes::make({mesh}, instances);
   ASSERT_TRUE(scene);
   const std::vector<Ray> rays = validation::instance_rays(*scene, 1000);
   std::size_t found = 0;
-  for (const Hit& hit : closest(built(*scene), rays)) {
+  for (const Hit& hit : this->closest(this->built(*scene), rays)) {
     if (!hit.valid()) continue;
     EXPECT_EQ(hit.prim_id, 0u);
     ++found;
@@ -115,38 +137,39 @@ TEST(TwoLevelTraversal, TiesGoToTheLowestNumber) {
 }
 
 // After every step the state is copied, with its stacks, and what it was copied from is overwritten.
-TEST(TwoLevelTraversal, PausesAndResumesAtEveryStep) {
+TYPED_TEST(TwoLevelTraversal, PausesAndResumesAtEveryStep) {
+  using Traverser = typename TestFixture::Closest;
   struct Paused {
-    StackOf<Closest> stack;
-    Closest::State state;
+    StackOf<Traverser> stack;
+    typename Traverser::State state;
   };
   const InstancedScene s = validation::instanced_scenes()[4];
-  const TwoLevelBvh bvh = built(s.scene);
+  const TwoLevelBvh bvh = this->built(s.scene);
   const TwoLevelView view = bvh.view();
   for (const Ray& ray : validation::instance_rays(s.scene, 200)) {
     NullObserver observer;
     std::vector<Paused> at(2);
-    attach_stack<Closest>(at[0].state, at[0].stack);
+    attach_stack<Traverser>(at[0].state, at[0].stack);
     Hit hit;
-    Phase phase = Closest::begin(view, ray, at[0].state, hit, observer);
+    Phase phase = Traverser::begin(view, ray, at[0].state, hit, observer);
     for (std::size_t step = 0; phase != Phase::done; ++step) {
       Paused &from = at[step % 2], &to = at[(step + 1) % 2];
       to.stack = from.stack, to.state = from.state;
-      attach_stack<Closest>(to.state, to.stack);
+      attach_stack<Traverser>(to.state, to.stack);
       std::memset(static_cast<void*>(&from), 0xff, sizeof from);
-      phase = phase == Phase::descend     ? Closest::descend(view, ray, to.state, hit, observer)
-              : phase == Phase::intersect ? Closest::intersect(view, ray, to.state, hit, observer)
-                                          : Closest::backtrack(view, ray, to.state, hit, observer);
+      phase = phase == Phase::descend     ? Traverser::descend(view, ray, to.state, hit, observer)
+              : phase == Phase::intersect ? Traverser::intersect(view, ray, to.state, hit, observer)
+                                          : Traverser::backtrack(view, ray, to.state, hit, observer);
     }
     finish_hit(hit);
     expect_same(hit, brute_force<Watertight>(s.scene, ray), "paused");
   }
 }
 
-TEST(TwoLevelTraversal, RaysThatAreNoRaysMiss) {
+TYPED_TEST(TwoLevelTraversal, RaysThatAreNoRaysMiss) {
   const InstancedScene s = validation::instanced_scenes()[4];
   const std::vector<Ray> rays = validation::invalid_rays();
-  for (const Hit& hit : closest(built(s.scene), rays)) EXPECT_FALSE(hit.valid());
+  for (const Hit& hit : this->closest(this->built(s.scene), rays)) EXPECT_FALSE(hit.valid());
 }
 
 }  // namespace
