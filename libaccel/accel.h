@@ -22,3 +22,4 @@
 #include "libaccel/rays/camera.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/any_accel.h"
+#include "libaccel/registry/multi_hit.h"

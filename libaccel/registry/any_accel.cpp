@@ -1,6 +1,7 @@
 #include "libaccel/registry/any_accel.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "libaccel/core/suggest.h"
@@ -40,6 +41,15 @@ template <class Out>
 Status same_size(std::span<const Ray> rays, std::span<Out> out) {
   if (rays.size() == out.size()) return Done{};
   return Error{"there are " + std::to_string(rays.size()) + " rays, but room for " + std::to_string(out.size()) + " results"};
+}
+
+// Whether there is room for k hits a ray and a count.
+Status has_room(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts) {
+  if (k > std::numeric_limits<std::uint32_t>::max()) return Error{"there is no counting to " + std::to_string(k) + " hits"};
+  if (Status s = same_size(rays, counts); !s) return s;
+  if (k == 0 ? hits.empty() : hits.size() % k == 0 && hits.size() / k == rays.size()) return Done{};
+  return Error{"there are " + std::to_string(rays.size()) + " rays with " + std::to_string(k) + " hits each, but room for " +
+               std::to_string(hits.size()) + " hits"};
 }
 
 }  // namespace
@@ -138,6 +148,39 @@ bool AnyAccel::occluded(const Ray& ray) const {
   std::uint8_t occluded = 0;
   state_->entry->tests[0].occluded(state_->structure, {&ray, 1}, {&occluded, 1}, 1);
   return occluded != 0;
+}
+
+Status AnyAccel::k_nearest(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts,
+                           const TraceOptions& options) const {
+  const auto test = find_test(options.test);
+  if (!test) return test.error();
+  if (Status s = has_room(rays, k, hits, counts); !s) return s;
+  state_->entry->tests[*test].next_hits(state_->structure, rays, {}, hits, counts, options.threads);
+  return Done{};
+}
+
+Status AnyAccel::next_hits(std::span<const Ray> rays, std::span<const Hit> after, std::size_t k, std::span<Hit> hits,
+                           std::span<std::uint32_t> counts, const TraceOptions& options) const {
+  const auto test = find_test(options.test);
+  if (!test) return test.error();
+  if (rays.size() != after.size())
+    return Error{"there are " + std::to_string(rays.size()) + " rays, but " + std::to_string(after.size()) +
+                 " hits to go on behind"};
+  if (Status s = has_room(rays, k, hits, counts); !s) return s;
+  state_->entry->tests[*test].next_hits(state_->structure, rays, after, hits, counts, options.threads);
+  return Done{};
+}
+
+std::size_t AnyAccel::k_nearest(const Ray& ray, std::span<Hit> hits) const {
+  std::uint32_t count = 0;
+  state_->entry->tests[0].next_hits(state_->structure, {&ray, 1}, {}, hits, {&count, 1}, 1);
+  return count;
+}
+
+std::size_t AnyAccel::next_hits(const Ray& ray, const Hit& after, std::span<Hit> hits) const {
+  std::uint32_t count = 0;
+  state_->entry->tests[0].next_hits(state_->structure, {&ray, 1}, {&after, 1}, hits, {&count, 1}, 1);
+  return count;
 }
 
 Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,

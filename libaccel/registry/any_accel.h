@@ -78,6 +78,21 @@ class AnyAccel {
   Hit closest(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
+  // The k nearest hits of each ray, in order: by t, and by prim_id where t is the same; every triangle comes once. hits is an
+  // array of rays x k: hits[i * k + j] is number j of rays[i], counts[i] says how many there are, and the rest of the k are
+  // misses. One traversal a ray, which culls behind the k-th hit so far. See registry/multi_hit.h for all hits of a ray.
+  Status k_nearest(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts,
+                   const TraceOptions& options = {}) const;
+
+  // The same from where another query has stopped: only hits behind after[i] in that order. Behind a miss there is nothing.
+  // A hit and its ray are all that resuming takes, with any method.
+  Status next_hits(std::span<const Ray> rays, std::span<const Hit> after, std::size_t k, std::span<Hit> hits,
+                   std::span<std::uint32_t> counts, const TraceOptions& options = {}) const;
+
+  // Single rays, with the watertight test: k is the size of `hits`, and the number of hits is returned.
+  std::size_t k_nearest(const Ray& ray, std::span<Hit> hits) const;
+  std::size_t next_hits(const Ray& ray, const Hit& after, std::span<Hit> hits) const;
+
   // What the rays cost. values, unless empty, gets one number a ray: what `counter` says.
   Result<Counters> count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values = {},
                          const TraceOptions& options = {}, RayCounter counter = RayCounter::steps) const;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libaccel/exec/cpu.h"
+#include "libaccel/exec/multi_hit.h"
 #include "libaccel/exec/multipass.h"
 #include "libaccel/exec/simt.h"
 #include "libaccel/registry/annotate.h"
@@ -67,8 +68,14 @@ struct TestFunctions {
       return trace_multipass<T>(view, rays, hits, options, threads);
     });
   }
+  // By the traverser that serves all structures: special ones gain little here, and each would be compiled once more.
+  static void next_hits(const AnyStructure& s, std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits,
+                        std::span<std::uint32_t> counts, int threads) {
+    using Traverser = typename Method::template Traverser<Collect<Test>, Query::closest>;
+    trace_hits<Traverser>(view_of<Method>(s), rays, after, hits, counts, threads);
+  }
 
-  static constexpr TestEntry entry() { return {closest, occluded, count, simt, multipass}; }
+  static constexpr TestEntry entry() { return {closest, occluded, count, simt, multipass, next_hits}; }
 };
 
 template <class Method>

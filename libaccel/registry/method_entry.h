@@ -22,6 +22,9 @@ struct TestEntry {
   SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const SimtOptions&, int threads);
   MultipassProfile (*multipass)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const MultipassOptions&,
                                 int threads);
+  // The nearest hits behind after[i]: see exec/multi_hit.h.
+  void (*next_hits)(const AnyStructure&, std::span<const Ray>, std::span<const Hit> after, std::span<Hit>,
+                    std::span<std::uint32_t> counts, int threads);
 };
 
 struct MethodEntry {

@@ -37,6 +37,20 @@ ACCEL_HD const Bvh2Node& visit_node(const Bvh2View& view, NodeRef ref, Observer&
   return node;
 }
 
+// Which children the ray enters before t_max, and where. A path that keeps more than what is postponed (trace/bvh2_pause.h) is
+// told of children behind t_max too.
+template <class State>
+ACCEL_HD BoxPairHit test_boxes(State& state, const Bvh2Node& node, float t_max) {
+  if constexpr (requires { state.meets_both; }) {
+    BoxPairHit boxes = state.boxes.intersect(node, state.t_end);
+    state.meets_both = boxes.mask == 3;
+    boxes.mask &= (boxes.t_near0 <= t_max * kFarScale ? 1u : 0u) | (boxes.t_near1 <= t_max * kFarScale ? 2u : 0u);
+    return boxes;
+  } else {
+    return state.boxes.intersect(node, t_max);
+  }
+}
+
 template <class Test, class Observer>
 ACCEL_HD Phase enter_node(Bvh2State<Test>& state, NodeRef node, Observer& observer) {
   state.node = node;

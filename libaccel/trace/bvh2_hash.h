@@ -56,6 +56,7 @@ struct Bvh2HashWith : Path::Traits {
   static constexpr const char* kName = "hash";
   using View = Bvh2View;
   static constexpr Bvh2Extras kNeeds[] = {Bvh2Extras::uncles, Options::kRegister ? Bvh2Extras::hash : Bvh2Extras::full_hash};
+  static constexpr bool kLooksUpAll = !Options::kRegister;
   static constexpr bool kMask = Options::kMask && kQuery == Query::closest;
   static constexpr bool kDistance = Options::kDistance && Options::kRegister && kQuery == Query::closest;
 
@@ -77,7 +78,7 @@ struct Bvh2HashWith : Path::Traits {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
     const Bvh2Node& node = visit_node(view, state.node, observer);
-    const BoxPairHit boxes = state.boxes.intersect(node, hit.t);
+    const BoxPairHit boxes = test_boxes(state, node, hit.t);
     // Branches, not selects: see bvh2_stack.h.
     if (boxes.mask == 3) {
       if (boxes.t_near1 < boxes.t_near0) return postpone(view, node, 0, boxes, state, observer);
@@ -116,7 +117,7 @@ struct Bvh2HashWith : Path::Traits {
     return enter_node(state, target, observer);
   }
 
- private:
+ protected:
   template <class Observer>
   ACCEL_HD static Phase go_down(const View& view, const Bvh2Node& node, std::uint32_t side, bool postponed, State& state,
                                 Observer& observer) {

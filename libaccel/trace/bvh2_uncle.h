@@ -33,7 +33,7 @@ struct Bvh2UncleWith : Path::Traits {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
     const Bvh2Node& node = visit_node(view, state.node, observer);
-    const BoxPairHit boxes = state.boxes.intersect(node, hit.t);
+    const BoxPairHit boxes = test_boxes(state, node, hit.t);
     // Branches, not selects: see bvh2_stack.h.
     if (boxes.mask == 3) {
       if (boxes.t_near1 < boxes.t_near0) return postpone(node, 0, state, observer);
@@ -77,7 +77,7 @@ struct Bvh2UncleWith : Path::Traits {
  private:
   template <class Observer>
   ACCEL_HD static Phase go_down(const Bvh2Node& node, std::uint32_t side, bool postponed, State& state, Observer& observer) {
-    state.step_down(0, postponed, 0, observer);  // the path's turns are not needed, their number is
+    state.step_down(side, postponed, 0, observer);  // only paused traversals read the turns; compilers see that
     return enter_node(state, node.child[side], observer);
   }
   template <class Observer>

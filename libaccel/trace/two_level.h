@@ -141,6 +141,9 @@ struct TwoLevel : detail::TwoLevelStack<Base>, detail::TwoLevelTraits<Base> {
     Hit whole_interval;  // not the one that is left
     const Phase phase = Base::begin(s.tree, s.ray, active(s), whole_interval, observer);
     hit.prim_id = kNoHit;
+    // Tests that keep what they find (trace/multi_hit.h) go on keeping it.
+    if constexpr (requires { s.active.test.enter_instance(s.paused.test, 0u); })
+      s.active.test.enter_instance(s.paused.test, instance.first_prim);
     return or_leave(phase, view, ray, s, hit, observer);
   }
 

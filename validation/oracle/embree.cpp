@@ -8,11 +8,13 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstring>
 
 #include "libaccel/exec/cpu.h"
+#include "libaccel/trace/multi_hit.h"
 
 namespace accel::validation {
 
@@ -63,6 +65,16 @@ RTCBuildQuality quality_of(EmbreeQuality quality) {
   return RTC_BUILD_QUALITY_MEDIUM;
 }
 
+RTCSceneFlags flags_of(const EmbreeOptions& options) {
+#if RTC_VERSION_MAJOR >= 4
+  constexpr int kFilterPerQuery = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+#else
+  constexpr int kFilterPerQuery = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+#endif
+  return static_cast<RTCSceneFlags>((options.mode == EmbreeMode::robust ? RTC_SCENE_FLAG_ROBUST : 0) |
+                                    (options.all_hits ? kFilterPerQuery : 0));
+}
+
 Status attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh, RTCBuildQuality quality) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   // Embree owns the copies: it pads them for its 16-byte loads.
@@ -92,7 +104,7 @@ RTCRay to_embree(const Ray& ray) {
 // The scene of a mesh that instances refer to.
 Result<RTCScene> make_mesh_scene(RTCDevice device, const TriangleMesh& mesh, const EmbreeOptions& options) {
   RTCScene scene = rtcNewScene(device);
-  if (options.mode == EmbreeMode::robust) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(scene, flags_of(options));
   rtcSetSceneBuildQuality(scene, quality_of(options.quality));
   if (mesh.size() > 0)
     if (const Status attached = attach_mesh(device, scene, mesh, quality_of(options.quality)); !attached) {
@@ -144,6 +156,60 @@ bool is_occluded(RTCScene scene, const Ray& ray) {
   return query.tfar < 0;
 }
 
+// What a query for all hits hands to its filter function: Embree's context, and behind it what it does not know.
+#if RTC_VERSION_MAJOR >= 4
+using EmbreeContext = RTCRayQueryContext;
+#else
+using EmbreeContext = RTCIntersectContext;
+#endif
+struct KeepAll {
+  EmbreeContext context;
+  std::span<const std::uint32_t> first_prims;
+  std::vector<Hit>* hits;
+};
+
+// Keeps a hit, and refuses it, so that the query goes on.
+void keep_and_refuse(const RTCFilterFunctionNArguments* arguments) {
+  const KeepAll& keep = *reinterpret_cast<const KeepAll*>(arguments->context);
+  RTCHitN* const hit = arguments->hit;
+  const unsigned n = arguments->N;
+  const std::uint32_t first_prim = keep.first_prims.empty() ? 0 : keep.first_prims[RTCHitN_instID(hit, n, 0, 0)];
+  keep.hits->push_back({RTCRayN_tfar(arguments->ray, n, 0), RTCHitN_u(hit, n, 0), RTCHitN_v(hit, n, 0),
+                        first_prim + RTCHitN_primID(hit, n, 0)});
+  arguments->valid[0] = 0;
+}
+
+void offer_all(RTCScene scene, KeepAll& keep, RTCRayHit& query) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcInitRayQueryContext(&keep.context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &keep.context, arguments.filter = keep_and_refuse;
+  arguments.flags = static_cast<RTCRayQueryFlags>(arguments.flags | RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER);
+  rtcIntersect1(scene, &query, &arguments);
+#else
+  rtcInitIntersectContext(&keep.context);
+  keep.context.filter = keep_and_refuse;
+  rtcIntersect1(scene, &keep.context, &query);
+#endif
+}
+
+std::vector<Hit> all_hits_of(RTCScene scene, std::span<const std::uint32_t> first_prims, const Ray& ray) {
+  std::vector<Hit> hits;
+  if (!is_traceable(ray)) return hits;
+  KeepAll keep{{}, first_prims, &hits};
+  RTCRayHit query{};
+  query.ray = to_embree(ray);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  offer_all(scene, keep, query);
+  // A triangle that Embree has split may be offered more than once.
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.prim_id < b.prim_id; });
+  const auto is_same = [](const Hit& a, const Hit& b) { return a.prim_id == b.prim_id; };
+  hits.erase(std::unique(hits.begin(), hits.end(), is_same), hits.end());
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return is_before(place_of(a), place_of(b)); });
+  return hits;
+}
+
 }  // namespace
 
 bool EmbreeWitness::available() { return true; }
@@ -164,7 +230,7 @@ Result<std::unique_ptr<EmbreeWitness::Scene>> EmbreeWitness::start(const EmbreeO
   rtcSetDeviceMemoryMonitorFunction(owned->device, count_bytes, &owned->bytes);
 
   owned->scene = rtcNewScene(owned->device);
-  if (options.mode == EmbreeMode::robust) rtcSetSceneFlags(owned->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(owned->scene, flags_of(options));
   rtcSetSceneBuildQuality(owned->scene, quality_of(options.quality));
   return owned;
 }
@@ -220,6 +286,13 @@ void EmbreeWitness::occluded(std::span<const Ray> rays, std::span<std::uint8_t> 
   });
 }
 
+void EmbreeWitness::all_hits(std::span<const Ray> rays, std::span<std::vector<Hit>> hits, int threads) const {
+  ACCEL_ASSERT(scene_->options.all_hits);
+  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) hits[i] = all_hits_of(scene_->scene, scene_->first_prims, rays[i]);
+  });
+}
+
 double EmbreeWitness::build_seconds() const { return scene_->build_seconds; }
 std::size_t EmbreeWitness::size_bytes() const { return static_cast<std::size_t>(scene_->bytes.load()); }
 const std::string& EmbreeWitness::isa() const { return scene_->isa; }
@@ -248,6 +321,7 @@ Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh&, const EmbreeOpti
 Result<EmbreeWitness> EmbreeWitness::build(const InstancedMeshes&, const EmbreeOptions&) { return start({}).error(); }
 void EmbreeWitness::closest(std::span<const Ray>, std::span<Hit>, int) const {}
 void EmbreeWitness::occluded(std::span<const Ray>, std::span<std::uint8_t>, int) const {}
+void EmbreeWitness::all_hits(std::span<const Ray>, std::span<std::vector<Hit>>, int) const {}
 double EmbreeWitness::build_seconds() const { return 0; }
 std::size_t EmbreeWitness::size_bytes() const { return 0; }
 const std::string& EmbreeWitness::isa() const { return kNoIsa; }

@@ -24,6 +24,7 @@ struct EmbreeOptions {
   EmbreeMode mode = EmbreeMode::robust;
   EmbreeQuality quality = EmbreeQuality::medium;
   int build_threads = 0;  // 0: as many as the machine has
+  bool all_hits = false;  // whether all_hits() will be asked; may make other queries slower
 };
 
 class EmbreeWitness {
@@ -46,6 +47,10 @@ class EmbreeWitness {
   // rtcIntersect1 and rtcOccluded1 for each ray; threads as in TraceOptions. u and v follow libaccel's Hit.
   void closest(std::span<const Ray> rays, std::span<Hit> hits, int threads = 0) const;
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads = 0) const;
+
+  // All hits of each ray, by t, then by prim_id, each triangle once: rtcIntersect1 with a filter function that keeps and refuses
+  // every hit. Only with EmbreeOptions::all_hits.
+  void all_hits(std::span<const Ray> rays, std::span<std::vector<Hit>> hits, int threads = 0) const;
 
   double build_seconds() const;
   std::size_t size_bytes() const;  // what Embree allocated for the scene, the vertex and index copies included
