@@ -23,6 +23,10 @@
 //
 // Observers. A step tells its observer what it loads and stores, and what it does: as NullObserver lists them.
 //
+// Tests that keep what they find. Multi-hit queries use any traverser, with triangle tests whose data tell where found hits go
+// (trace/multi_hit.h). So what Test::prepare() made is a member `test` of the state, begin() tests no triangle, and what is
+// culled is what hit.t allows.
+//
 // Stacks. Compilers for devices (LLVM's) keep an object in registers only if nothing in it is addressed at run time, so a stack
 // inside the state would drag the ray's whole state into memory. A traverser with a stack declares it as a type of its own; the
 // driver provides one (StackOf), lets the state point to it before begin() (attach_stack), and copies both to pause a ray.
