@@ -14,7 +14,7 @@ struct PausedHit {
 
 namespace detail {
 template <class Traverser, class Begin, class Observer>
-PausedHit trace_to_hit(const typename Traverser::View& view, const Ray& ray, const Begin& begin, Observer& observer) {
+ACCEL_HD PausedHit trace_to_hit(const typename Traverser::View& view, const Ray& ray, const Begin& begin, Observer& observer) {
   typename Traverser::State state{};
   Hit hit;
   const Phase phase = begin(state, hit);
@@ -25,14 +25,15 @@ PausedHit trace_to_hit(const typename Traverser::View& view, const Ray& ray, con
 }  // namespace detail
 
 template <class Traverser, class Observer>
-PausedHit first_hit(const typename Traverser::View& view, const Ray& ray, Observer& observer) {
+ACCEL_HD PausedHit first_hit(const typename Traverser::View& view, const Ray& ray, Observer& observer) {
   const auto begin = [&](auto& state, Hit& hit) { return Traverser::begin(view, ray, state, hit, observer); };
   return detail::trace_to_hit<Traverser>(view, ray, begin, observer);
 }
 
 // The hit behind the one where it was paused.
 template <class Traverser, class Observer>
-PausedHit next_hit(const typename Traverser::View& view, const Ray& ray, const PausedTraversal& paused, Observer& observer) {
+ACCEL_HD PausedHit next_hit(const typename Traverser::View& view, const Ray& ray, const PausedTraversal& paused,
+                            Observer& observer) {
   const auto begin = [&](auto& state, Hit& hit) { return Traverser::resume(view, ray, paused, state, hit, observer); };
   return detail::trace_to_hit<Traverser>(view, ray, begin, observer);
 }

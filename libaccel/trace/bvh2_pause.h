@@ -24,6 +24,9 @@
 // register for the node postponed last starts with the leaf's sibling in it. No links lead there, and its key need not be in
 // the hash if not all are: it is then sought from the root, one load a level and without box tests.
 //
+// Not over instances, where a place is one path in each of two trees: AnyAccel::next_hits() goes on behind a hit with every
+// method, from the root.
+//
 // Trust. resume() believes what it is given. Bytes from elsewhere pass paused_from_bytes(), which proves them against the tree
 // in O(depth).
 #pragma once
