@@ -139,6 +139,10 @@ void add_outputs(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   add("--diff", settings.diff, "difference from the witness and verdicts, of the first method and kind");
   add("--rays-out", settings.rays_out, "the rays of the first kind, as .npy");
   add("--hits-out", settings.hits_out, "their hits, by the first method; of any-hit kinds t = 0 if occluded");
+  app.add_option("--hits", settings.hits, "how many hits of each ray, the nearest first; of all kinds")
+      ->check(whole_number(1, 1u << 16))
+      ->type_name("K")
+      ->group("Output");
   app.add_flag("--explain", settings.explain, "what builds left out or added for the methods, and why")->group("Output");
   add("--repro", settings.repro, "how names of files that reproduce wrong hits begin [accel-repro]");
 }
@@ -271,6 +275,7 @@ Finished check_consistency(const TraceSettings& settings) {
   if (!settings.diff.empty() && settings.check == Check::none) return usage("--diff: needs a witness; leave out --check none");
   for (const auto& [flag, path] : {std::pair{"--rays-out", &settings.rays_out}, {"--hits-out", &settings.hits_out}})
     if (!path->empty() && !is_npy(*path)) return usage(std::string(flag) + ": '" + *path + "' should end in .npy");
+  if (settings.hits > 0 && settings.hits_out.empty()) return usage("--hits: needs --hits-out, a file for them");
   return check_writable({settings.json, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
 }
 

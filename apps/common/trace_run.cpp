@@ -220,8 +220,11 @@ class TraceRun {
                        Checker& checker) {
     if (!settings_.rays_out.empty())
       if (const Status s = write_rays_npy(settings_.rays_out, traced.batch.rays()); !s) return s.error();
-    if (!settings_.hits_out.empty())
+    if (settings_.hits > 0) {
+      if (auto done = write_nearest(traced); !done) return done;
+    } else if (!settings_.hits_out.empty()) {
       if (const Status s = write_hits(traced); !s) return s.error();
+    }
     const std::string subject = row.method + ", " + row.rays_kind + ", " + scene_.title;
     if (!settings_.heatmap.empty()) {
       const HeatPicture picture = heat_picture(steps, settings_.heatmap_of, traced.batch.set, maker.picture_size(), subject);
@@ -232,6 +235,29 @@ class TraceRun {
                                 checker.judge(traced.truth)};
     const DifferencePictures pictures = difference_pictures(difference, maker.picture_size(), subject);
     return write_classes(settings_.diff, pictures.distance, pictures.verdicts, "t_difference_ulp");
+  }
+
+  // The nearest hits of each ray, traced for this file alone.
+  Finished write_nearest(const Traced& traced) {
+    const std::span<const Ray> rays = traced.batch.rays();
+    const std::size_t k = settings_.hits;
+    if (rays.size() > kMaxRays / k)
+      return Error{"--hits: " + std::to_string(k) + " hits of each of " + with_commas(rays.size()) + " rays are more than " +
+                   with_commas(kMaxRays)};
+    bar_.begin("finding the nearest hits by " + traced.engine.name);
+    std::vector<Hit> hits(rays.size() * k);
+    std::vector<std::uint32_t> counts(rays.size());
+    for (std::size_t begin = 0; begin < rays.size(); begin += traced.engine.rays_per_call) {
+      if (!bar_.update(traced.batch.name, static_cast<double>(begin) / static_cast<double>(rays.size())))
+        return Error{std::string(kInterrupted)};
+      const std::size_t size = std::min(traced.engine.rays_per_call, rays.size() - begin);
+      const Status found =
+          traced.member.accel.k_nearest(rays.subspan(begin, size), k, std::span(hits).subspan(begin * k, size * k),
+                                        std::span(counts).subspan(begin, size), trace_options());
+      if (!found) return found.error();
+    }
+    if (const Status written = write_hits_npy(settings_.hits_out, hits, k); !written) return written.error();
+    return Done{};
   }
 
   // Any-hit answers have no t and no primitive: they are written as prim_id 0 for occluded.

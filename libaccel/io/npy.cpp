@@ -218,6 +218,11 @@ Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hi
   return write_npy(path, kHitFields, {hits.size()}, std::as_bytes(hits));
 }
 
+Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits, std::size_t per_ray) {
+  ACCEL_ASSERT(per_ray > 0 && hits.size() % per_ray == 0);
+  return write_npy(path, kHitFields, {hits.size() / per_ray, per_ray}, std::as_bytes(hits));
+}
+
 Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path) {
   const Result<NpyFile> file = NpyFile::open(path);
   if (!file) return file.error();

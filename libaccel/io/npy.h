@@ -11,6 +11,7 @@
 // Files are written whole or not at all (io/atomic_file.h). Errors name the file.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
 
@@ -25,6 +26,10 @@ Status write_rays_npy(const std::filesystem::path& path, std::span<const Ray> ra
 Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path);
 
 Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits);
+
+// Several hits a ray, as an array of shape (N, K): K is per_ray, at least 1, and N * K the number of hits. Misses fill up.
+Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits, std::size_t per_ray);
+
 Result<Buffer<Hit>> read_hits_npy(const std::filesystem::path& path);
 
 }  // namespace accel

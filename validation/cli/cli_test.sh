@@ -308,6 +308,25 @@ assert (hits["t"][hits["prim_id"] != 0xffffffff] > 0).all()' || fail "NumPy read
   fi
 }
 
+# The first of several hits is the hit that there is otherwise; a row is in order and filled up with misses.
+test_several_hits_a_ray() {
+  expect 0 trace builtin:soup:2000 --rays random --count 500 --hits-out one.npy --check none
+  expect 0 trace builtin:soup:2000 --rays random --count 500 --hits-out four.npy --hits 4 --check none
+  [ "$(wc -c <four.npy)" -gt $((500 * 4 * 16)) ] || fail "four.npy is too short"
+  expect 0 trace builtin:soup:2000 --rays shadow --hits-out shadow.npy --hits 2 --check none
+  usage_error trace --hits 4; says err --hits-out
+  usage_error trace --hits 0 --hits-out four.npy
+  if python3 -c 'import numpy' 2>/dev/null; then
+    python3 -c '
+import numpy
+one, four = numpy.load("one.npy"), numpy.load("four.npy")
+assert four.shape == (500, 4) and (four[:, 0] == one).all()
+t = four["t"]
+assert (t[:, 1:] >= t[:, :-1]).all() and numpy.isfinite(t[:, 3]).any() and numpy.isinf(t[four["prim_id"] == 0xffffffff]).all()
+' || fail "NumPy reads something else"
+  fi
+}
+
 test_any_hit_kinds_write_hits() { expect 0 trace builtin:cornell --rays shadow --hits-out hits.npy; [ -s hits.npy ] || fail "no hits"; }
 
 test_pictures() {

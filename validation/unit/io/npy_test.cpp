@@ -70,6 +70,18 @@ TEST_F(NpyTest, HitsComeBack) {
   EXPECT_FALSE(read_rays_npy(path));
 }
 
+TEST_F(NpyTest, SeveralHitsARayAreRows) {
+  const std::vector<Hit> hits(6, Hit{1.5f, 0.25f, 0.5f, 7});
+  const std::filesystem::path path = folder() / "hits.npy";
+  ASSERT_TRUE(write_hits_npy(path, hits, 3));
+  const std::string bytes = contents(path);
+  EXPECT_NE(bytes.find("'shape': (2, 3), }"), std::string::npos);
+  EXPECT_EQ(bytes.compare(bytes.size() - 96, 96, reinterpret_cast<const char*>(hits.data()), 96), 0);
+  EXPECT_FALSE(read_hits_npy(path)) << "one hit a ray is what is read";
+  ASSERT_TRUE(write_hits_npy(path, {}, 3));
+  EXPECT_NE(contents(path).find("'shape': (0, 3), }"), std::string::npos);
+}
+
 TEST_F(NpyTest, EmptyArrays) {
   ASSERT_TRUE(write_rays_npy(folder() / "r.npy", {}));
   EXPECT_EQ(read_rays_npy(folder() / "r.npy").value().size(), 0u);
