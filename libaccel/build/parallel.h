@@ -28,6 +28,7 @@ void for_each_chunk(std::size_t begin, std::size_t end, const Body& body) {
 // The same, but calls directly where there is one chunk only.
 template <class Body>
 void for_chunks(std::size_t begin, std::size_t end, const Body& body) {
+  if (begin == end) return;
   if (end - begin <= kChunk) {
     body(std::size_t{0}, begin, end);
   } else {

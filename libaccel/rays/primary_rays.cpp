@@ -2,7 +2,7 @@
 
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/rays/fill.h"
-#include "libaccel/rays/morton.h"
+#include "libaccel/rays/z_order.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/rays/sampling.h"
 

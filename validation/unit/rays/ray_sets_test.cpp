@@ -11,7 +11,7 @@
 #include "libaccel/core/vec3d.h"
 #include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/rays/default_light.h"
-#include "libaccel/rays/morton.h"
+#include "libaccel/rays/z_order.h"
 #include "libaccel/rays/offset_origin.h"
 #include "scenes/procedural.h"
 #include "validation/unit/rays/brute_trace.h"

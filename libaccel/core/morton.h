@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "libaccel/core/aabb.h"
-#include "libaccel/core/buffer.h"
 #include "libaccel/core/hd.h"
 
 namespace accel {
@@ -65,8 +64,5 @@ ACCEL_HD std::uint64_t morton_63(Vec3 p, const Aabb& box) {
   return morton_3d(quantize(p.x, box.lo.x, box.hi.x, 21), quantize(p.y, box.lo.y, box.hi.y, 21),
                    quantize(p.z, box.lo.z, box.hi.z, 21));
 }
-
-// The pixels y * width + x of a picture of any size in the order of their Morton codes. Linear in the number of pixels.
-Buffer<std::uint32_t> z_order_pixels(std::uint32_t width, std::uint32_t height);
 
 }  // namespace accel

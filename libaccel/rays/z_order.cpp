@@ -1,4 +1,4 @@
-#include "libaccel/rays/morton.h"
+#include "libaccel/rays/z_order.h"
 
 #include <algorithm>
 #include <bit>

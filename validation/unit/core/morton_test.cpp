@@ -1,10 +1,8 @@
-#include "libaccel/rays/morton.h"
+#include "libaccel/core/morton.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "libaccel/core/counter_rng.h"
@@ -54,17 +52,6 @@ TEST(Morton, QuantizeIsMonotoneAndDefinedForEverything) {
   EXPECT_EQ(quantize(5, 5, 5, 10), 0u);
   EXPECT_EQ(quantize(std::numeric_limits<float>::infinity(), 0, 1, 10), 1023u);
   EXPECT_EQ(quantize(3e38f, -3e38f, 3e38f, 21), (1u << 21) - 1);
-}
-
-TEST(ZOrder, SortsPixelsByCode) {
-  for (const auto& [width, height] :
-       std::vector<std::pair<std::uint32_t, std::uint32_t>>{{8, 8}, {5, 3}, {1, 17}, {33, 2}, {1, 1}}) {
-    std::vector<std::uint32_t> expected;
-    for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) expected.push_back(pixel);
-    std::ranges::sort(expected, {}, [w = width](std::uint32_t pixel) { return morton_2d(pixel % w, pixel / w); });
-    EXPECT_TRUE(std::ranges::equal(z_order_pixels(width, height), expected)) << width << " x " << height;
-  }
-  EXPECT_TRUE(z_order_pixels(0, 5).empty());
 }
 
 }  // namespace
