@@ -75,7 +75,8 @@ Outcome<std::vector<Measurement>> measure(std::span<Engine> engines, std::span<c
       const std::size_t e = (turn + static_cast<std::size_t>(r)) % engines.size();
       Measurement& result = results[e];
       if (r == 0) result.answers = Answers(query, rays.size());
-      const auto taken = trace_once(engines[e], rays, query, result.answers, r == 0, [&](std::string_view, double fraction) {
+      const std::span<const Ray> traced = engines[e].own_rays.empty() ? rays : engines[e].own_rays;
+      const auto taken = trace_once(engines[e], traced, query, result.answers, r == 0, [&](std::string_view, double fraction) {
         return bar.update(engines[e].name, (static_cast<double>(done) + fraction) / static_cast<double>(total));
       });
       if (!taken) return taken.error();

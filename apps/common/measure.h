@@ -36,6 +36,9 @@ struct Engine {
   std::function<Result<double>(std::span<const Ray>, std::span<Hit>)> closest;
   std::function<Result<double>(std::span<const Ray>, std::span<std::uint8_t>)> occluded;
 
+  // What it traces in place of the batch, as many rays; empty: the batch.
+  std::span<const Ray> own_rays = {};
+
   // Batches are cut into calls, so that progress is seen and interruptions are obeyed. The untimed pass finds the size.
   std::size_t rays_per_call = kFirstCall;
 

@@ -205,11 +205,31 @@ Json row_json(const TraceRow& row, const TraceReport& report, const TraceSetting
   return json;
 }
 
+Json sort_json(const SortRow& row, const TraceReport& report, const TraceSettings& settings) {
+  return {{"name", report.scene + "/" + row.method + "/" + row.rays_kind + "/" + name_of(*settings.sort)},
+          {"run_type", "iteration"},
+          {"threads", report.threads},
+          {"method", row.method},
+          {"rays_kind", row.rays_kind},
+          {"rays", row.rays},
+          {"sort", name_of(*settings.sort)},
+          {"cell_fraction", settings.cell_fraction},
+          {"chunks", row.chunks},
+          {"hash_ms", 1e3 * row.cost.hash},
+          {"sort_ms", 1e3 * row.cost.sort},
+          {"copy_ms", 1e3 * row.cost.copy},
+          {"mrays_per_second", row.sorted_in_all()},
+          {"mrays_without_sort_cost", row.sorted.median},
+          {"mrays_as_they_came", row.as_they_came.median},
+          {"different_answers", row.different}};
+}
+
 }  // namespace
 
 std::string report_json(const TraceReport& report, const TraceSettings& settings) {
   Json json = {{"context", context_json(report, settings)}, {"benchmarks", Json::array()}};
   for (const TraceRow& row : report.rows) json["benchmarks"].push_back(row_json(row, report, settings));
+  for (const SortRow& row : report.sorts) json["benchmarks"].push_back(sort_json(row, report, settings));
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

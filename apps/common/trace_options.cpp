@@ -38,7 +38,7 @@ constexpr const char* kExamples =
 
 // The command line as typed, before names are looked up.
 struct RawOptions {
-  std::string methods = "best", rays, check = "embree", profile, schedule, device = "cpu", heatmap_of = "steps";
+  std::string methods = "best", rays, check = "embree", sort, profile, schedule, device = "cpu", heatmap_of = "steps";
 };
 
 struct ScheduleName {
@@ -99,6 +99,16 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   app.add_option("--judge-limit", settings.judge_limit, "most rays to judge exactly, for each method and kind [no limit]")
       ->check(whole_number(1))
       ->type_name("N")
+      ->group("Measuring and checking");
+  app.add_option("--sort", raw.sort,
+                 "measure the rays sorted, too, by ray-hash or morton: what that\n"
+                 "costs and gains each method")
+      ->type_name("NAME")
+      ->group("Measuring and checking");
+  app.add_option("--cell-fraction", settings.cell_fraction, "ray-hash: cells, as a share of the scene's diagonal")
+      ->check(CLI::Range(1e-6f, 1.0f))
+      ->capture_default_str()
+      ->type_name("X")
       ->group("Measuring and checking");
   app.add_option("--profile", raw.profile,
                  "what the rays would cost: simt, in warps of 32 lanes;\n"
@@ -241,6 +251,11 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   if (!check) return check.failure();
   settings.check = *check;
 
+  if (!raw.sort.empty()) {
+    const auto sort = parse_ray_sort(raw.sort);
+    if (!sort) return usage("--sort: " + sort.message());
+    settings.sort = *sort;
+  }
   if (auto done = parse_schedules(raw.schedule, settings); !done) return done;
   if (auto done = parse_profiles(raw.profile, settings); !done) return done;
   const auto counter = parse_counter(raw.heatmap_of);

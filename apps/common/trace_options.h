@@ -10,6 +10,7 @@
 #include "libaccel/exec/counters.h"
 #include "libaccel/exec/multipass_profile.h"
 #include "libaccel/exec/simt_profile.h"
+#include "libaccel/packet/ray_order.h"
 
 namespace accel::apps {
 
@@ -35,6 +36,9 @@ struct TraceSettings {
   Check check = Check::embree;
   bool check_given = false;
   std::uint64_t judge_limit = 0;  // 0: none
+
+  std::optional<RaySort> sort;   // measure sorted rays, too
+  float cell_fraction = 0.004f;  // RayOrderOptions::cell_fraction
 
   bool profile_simt = false, profile_multipass = false;
   SimtSchedule schedule = SimtSchedule::while_while;

@@ -47,6 +47,10 @@ std::string failures_section(const TraceReport& report, const Terminal& terminal
       text += print("    ray %zu: %s\n", first[i].ray, std::string(to_string(first[i].verdict)).c_str());
     if (!row.repro.empty()) text += "    to reproduce: " + row.repro + "\n";
   }
+  for (const SortRow& row : report.sorts)
+    if (row.different > 0)
+      text += "  " + row.method + ", " + row.rays_kind + ": " + counted(row.different, "answer") + " of " +
+              with_commas(row.rays) + " changed when the rays were sorted\n";
   return text + "\n";
 }
 
@@ -238,6 +242,36 @@ std::string multipass_section(const TraceReport& report, const TraceSettings& se
          table.text();
 }
 
+std::string sort_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
+  Table table({{"RAYS", Align::left},
+               {"method", Align::left},
+               {"chunks"},
+               {"hash"},
+               {"sort"},
+               {"copy"},
+               {"Mrays/s"},
+               {"sorted"},
+               {"gain"},
+               {"in all"},
+               {"gain"},
+               {"hits", Align::left}});
+  for (const SortRow& row : report.sorts) {
+    const auto ns = [&](double seconds) {
+      return short_number(1e9 * seconds / static_cast<double>(std::max<std::uint64_t>(row.rays, 1)));
+    };
+    const double before = std::max(row.as_they_came.median, 1e-9);
+    table.add_row({row.rays_kind, row.method, short_count(row.chunks), ns(row.cost.hash), ns(row.cost.sort), ns(row.cost.copy),
+                   short_number(row.as_they_came.median), short_number(row.sorted.median),
+                   print("%.2f", row.sorted.median / before), short_number(row.sorted_in_all()),
+                   print("%.2f", row.sorted_in_all() / before),
+                   row.different == 0 ? terminal.styled("the same", Style::good)
+                                      : terminal.styled(with_commas(row.different) + " DIFFER", Style::bad)});
+  }
+  return section(terminal,
+                 std::string("Sorted by ") + name_of(*settings.sort) + ": cost in ns a ray; speed without it, and in all") +
+         table.text();
+}
+
 std::string skipped_section(const TraceReport& report) {
   std::string text;
   for (const Skip& skip : report.skipped) text += "  skipped: " + skip.what + ", because " + skip.why + "\n";
@@ -260,7 +294,13 @@ bool any_row(const TraceReport& report, Condition condition) {
 std::uint64_t TraceReport::failures() const {
   std::uint64_t sum = 0;
   for (const TraceRow& row : rows) sum += row.check ? row.check->failures() : 0;
+  for (const SortRow& row : sorts) sum += row.different;
   return sum;
+}
+
+double SortRow::sorted_in_all() const {
+  const double mrays = static_cast<double>(rays) * 1e-6;
+  return sorted.median > 0 ? mrays / (mrays / sorted.median + cost.total()) : 0;
 }
 
 const TraceRow* TraceReport::witness_row(const std::string& rays_kind) const {
@@ -275,6 +315,7 @@ std::string report_text(const TraceReport& report, const TraceSettings& settings
   const bool in_passes = any_row(report, [](const TraceRow& row) { return row.multipass.has_value(); });
   std::string text = failures_section(report, terminal) + scene_section(report, settings, terminal) +
                      structures_section(report, terminal) + speed_section(report, settings, terminal);
+  if (!report.sorts.empty()) text += sort_section(report, settings, terminal);
   if (checked) text += verdict_section(report, terminal) + adjudication_section(report, terminal);
   if (in_warps) text += simt_section(report, terminal);
   if (in_passes) text += multipass_section(report, settings, terminal);

@@ -7,6 +7,7 @@
 
 #include "apps/common/measure.h"
 #include "apps/common/scene.h"
+#include "apps/common/sorted_rays.h"
 #include "apps/common/structure_facts.h"
 #include "apps/common/terminal.h"
 #include "apps/common/trace_options.h"
@@ -46,6 +47,18 @@ struct TraceRow {
   bool is_witness = false;
 };
 
+// A method on the rays of a kind in sorted order, beside the same in the order in which they came.
+struct SortRow {
+  std::string method, rays_kind;
+  std::uint64_t rays = 0;
+  std::size_t chunks = 0;  // RayOrder::chunks
+  SortCost cost;
+  Speed as_they_came, sorted;   // without the cost
+  std::uint64_t different = 0;  // answers
+
+  double sorted_in_all() const;  // millions of rays a second, the cost included
+};
+
 struct TraceReport {
   std::string scene;
   std::uint64_t triangles = 0;
@@ -57,7 +70,8 @@ struct TraceReport {
   std::string witness;     // "Embree 3.13.5 (avx2)", or empty
   std::string checked_by;  // what --check amounts to, in words
   std::vector<StructureRow> structures;
-  std::vector<TraceRow> rows;    // by kind of rays, the witness last
+  std::vector<TraceRow> rows;  // by kind of rays, the witness last
+  std::vector<SortRow> sorts;
   std::vector<BuildNote> notes;  // of the builds, each once
   std::vector<Skip> skipped;
 

@@ -105,7 +105,9 @@ class TraceRun {
   // Refuses batches that cannot fit into this machine, before the machine does so by killing the program.
   Finished check_memory(const std::string& kind, const RayMaker& maker) const {
     const std::uint64_t rays = maker.most_rays(kind);
-    const std::uint64_t bytes = rays * (sizeof(Ray) + sizeof(std::uint32_t) + sizeof(Hit) * (engines_.size() + 2));
+    const std::uint64_t orders = settings_.sort ? 2 : 1;
+    const std::uint64_t bytes =
+        rays * ((sizeof(Ray) + sizeof(std::uint32_t)) * orders + sizeof(Hit) * (orders * engines_.size() + 2));
     const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
     if (bytes <= memory) return Done{};
     return Failure(ExitStatus::error, counted(rays, "ray") + " of kind " + kind + " need " + bytes_text(bytes) +
@@ -120,6 +122,17 @@ class TraceRun {
     auto batch = maker.make(kind);
     if (!batch) return batch.failure();
     std::vector<Engine> engines = engines_;
+    std::optional<SortedRays> sorted;
+    if (settings_.sort) {
+      bar_.begin("sorting " + kind);
+      sorted = sorted_rays(batch->rays(), scene_.facts.bounds,
+                           {*settings_.sort, settings_.cell_fraction, settings_.common.threads}, settings_.repeat);
+      for (Engine engine : engines_) {
+        engine.name += ", sorted", engine.own_rays = sorted->rays.span();
+        engines.push_back(std::move(engine));
+      }
+      bar_.begin("tracing " + kind);
+    }
     if (checker.fast()) engines.push_back(checker.engine());
     terminal_.detail("tracing " + counted(batch->size(), "ray") + " of kind " + batch->name);
     auto measured = measure(engines, batch->rays(), batch->query, settings_.repeat, bar_);
@@ -137,6 +150,7 @@ class TraceRun {
       }
       const Traced traced{set.members[m], engines[m], *batch, (*measured)[m], truth, *testimony, is_first};
       if (auto done = examine(traced, maker, checker); !done) return done;
+      if (sorted) compare_orders(traced, (*measured)[engines_.size() + m], *sorted);
     }
     if (checker.fast()) add_witness_row(*batch, measured->back());
     return Done{};
@@ -172,6 +186,15 @@ class TraceRun {
       if (auto done = write_files(traced, row, steps, maker, checker); !done) return done;
     report_.rows.push_back(std::move(row));
     return Done{};
+  }
+
+  // Sorting must change no answer, and may change the speed.
+  void compare_orders(const Traced& traced, const Measurement& in_order, const SortedRays& sorted) {
+    SortRow row{traced.member.accel.method().name, traced.batch.name, traced.batch.size(), sorted.order.chunks, sorted.cost};
+    row.as_they_came = traced.measured.speed, row.sorted = in_order.speed;
+    const Answers answers = unsorted(in_order.answers, sorted.order, settings_.common.threads, row.cost);
+    row.different = differences(traced.measured.answers, answers);
+    report_.sorts.push_back(std::move(row));
   }
 
   Finished count(const Traced& traced, std::span<std::uint32_t> steps, TraceRow& row) {

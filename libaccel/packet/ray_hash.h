@@ -64,8 +64,13 @@ struct RayHash {
     if (!(cell > 0)) return 0;
     return static_cast<std::uint32_t>(cell < kMost ? cell : kMost) & kLast;
   }
-  // Of a coordinate in [-1, 1].
-  ACCEL_HD static std::uint32_t face_cell_of(float x) { return quantize(x, -1, 1, kDirectionBits); }
+  // Of a coordinate in [-1, 1]; in floats, since nothing but the speed depends on where cells end.
+  ACCEL_HD static std::uint32_t face_cell_of(float x) {
+    constexpr float kCells = static_cast<float>(1 << kDirectionBits);
+    const float cell = (x + 1) * (kCells / 2);
+    if (!(cell > 0)) return 0;
+    return static_cast<std::uint32_t>(cell < kCells - 1 ? cell : kCells - 1);
+  }
 };
 
 }  // namespace accel

@@ -106,6 +106,8 @@ test_usage_errors() {
   usage_error trace --test waterthight; says err "did you mean 'watertight'?"
   usage_error trace --check embre; says err "did you mean 'embree'?"
   usage_error trace builtin:stadum; says err "did you mean 'stadium'?"
+  usage_error trace --sort ray-hsah; says err "did you mean 'ray-hash'?"
+  usage_error trace --cell-fraction 0
   usage_error trace --profile cuda; says err simt
   usage_error trace --schedule sometimes; says err while-while; says err delany
   usage_error trace --profile simt,multipas; says err "did you mean 'multipass'?"
@@ -357,6 +359,15 @@ test_simt_profile() {
   done
   expect 0 trace builtin:cornell --profile simt --json -
   json out 'all(0 < b["simt"]["efficiency"] <= 1 for b in j["benchmarks"] if b["method"] != "Embree")'
+}
+
+test_sorted_rays() {
+  for sort in ray-hash morton; do
+    expect 0 trace builtin:cornell --method bvh/stack,brute/loop --rays primary,shadow --sort $sort --width 64 --height 48
+    says out "Sorted by $sort"; says out "the same"
+  done
+  expect 0 trace builtin:cornell --rays diffuse --sort ray-hash --cell-fraction 0.1 --width 64 --height 48 --json -
+  says out '"sort": "ray-hash"'; says out '"different_answers": 0'
 }
 
 test_multipass_profile() {
