@@ -88,8 +88,8 @@ struct TwoLevelBvh : TwoLevelWords {
     visit("leaves", self.leaves);
     visit("trees", self.trees);
     visit("instances", self.instances);
-    visit("hash.displacements", self.displacements);
-    visit("hash.slots", self.slots);
+    visit("displacements", self.displacements);
+    visit("slots", self.slots);
   }
   std::size_t size_bytes() const { return bytes_of_arrays(*this); }
   TwoLevelView view() const {
