@@ -6,6 +6,7 @@
 #include "libaccel/structure/bvh2_stats.h"
 #include "libaccel/structure/grid_stats.h"
 #include "libaccel/structure/kdtree_stats.h"
+#include "libaccel/structure/two_level_stats.h"
 
 namespace accel::apps {
 
@@ -14,8 +15,7 @@ namespace {
 // End-point overlap takes microseconds a triangle: larger trees are sampled down to about this many.
 constexpr std::uint64_t kMostOverlapTriangles = 200'000;
 
-StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detail detail) {
-  const Bvh2Stats stats = bvh2_stats(bvh, options.traversal_cost, options.intersection_cost);
+StructureFacts facts_from(const Bvh2Stats& stats) {
   StructureFacts facts;
   facts.sah_cost = stats.sah_cost;
   facts.depth = stats.depth;
@@ -25,6 +25,21 @@ StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detai
   facts.leaf_sizes = stats.leaves_by_size;
   facts.leaf_depths = stats.leaves_by_depth;
   while (!facts.leaf_sizes.empty() && facts.leaf_sizes.back() == 0) facts.leaf_sizes.pop_back();
+  return facts;
+}
+
+// Leaves and their depths are those of the trees over meshes.
+StructureFacts facts_of_kind(const TwoLevelBvh& bvh, const BuildOptions& options, Detail) {
+  const TwoLevelStats stats = two_level_stats(bvh, options.traversal_cost, options.intersection_cost);
+  StructureFacts facts = facts_from(stats.meshes);
+  facts.sah_cost = stats.sah_cost;
+  facts.depth = bvh.depth;
+  return facts;
+}
+
+StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detail detail) {
+  const Bvh2Stats stats = bvh2_stats(bvh, options.traversal_cost, options.intersection_cost);
+  StructureFacts facts = facts_from(stats);
   if (detail == Detail::all) {
     const auto stride = static_cast<std::uint32_t>(std::max<std::uint64_t>(stats.triangles / kMostOverlapTriangles, 1));
     facts.epo = end_point_overlap(bvh, options.traversal_cost, options.intersection_cost, stride);
