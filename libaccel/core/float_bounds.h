@@ -4,7 +4,8 @@
 // Humphreys, Physically Based Rendering, section 6.8.
 #pragma once
 
-#include <cmath>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 namespace accel {
@@ -17,9 +18,14 @@ constexpr float gamma(int n) {
   return static_cast<float>(n) * kUnitRoundoff / (1.0f - static_cast<float>(n) * kUnitRoundoff);
 }
 
-// The neighbouring floats; infinities stay.
-inline float next_up(float x) { return std::nextafter(x, std::numeric_limits<float>::infinity()); }
-inline float next_down(float x) { return std::nextafter(x, -std::numeric_limits<float>::infinity()); }
+// The neighbouring floats, as std::nextafter() has them; infinities that there is nothing beyond stay, and NaN does. Floats of
+// one sign are in the order of their bits, so no call into the mathematical library is needed: builders round often.
+constexpr float next_up(float x) {
+  if (!(x < std::numeric_limits<float>::infinity())) return x;
+  const auto bits = std::bit_cast<std::uint32_t>(x + 0.0f);  // zeros are positive
+  return std::bit_cast<float>(x >= 0 ? bits + 1 : bits - 1);
+}
+constexpr float next_down(float x) { return -next_up(-x); }
 
 // The largest float <= x, and the smallest float >= x.
 inline float round_down(double x) {

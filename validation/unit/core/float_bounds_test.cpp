@@ -51,6 +51,22 @@ TEST(FloatBounds, NeighboursAreAdjacent) {
   }
 }
 
+TEST(FloatBounds, NeighboursAreThoseOfNextafter) {
+  const auto expect_same = [](float x) {
+    EXPECT_EQ(std::bit_cast<std::uint32_t>(next_up(x)), std::bit_cast<std::uint32_t>(std::nextafter(x, kInfinity))) << x;
+    EXPECT_EQ(std::bit_cast<std::uint32_t>(next_down(x)), std::bit_cast<std::uint32_t>(std::nextafter(x, -kInfinity))) << x;
+  };
+  using Limits = std::numeric_limits<float>;
+  for (const float x : {0.0f, Limits::denorm_min(), Limits::min(), 1.0f, Limits::max(), kInfinity})
+    expect_same(x), expect_same(-x);
+  for (std::uint64_t i = 0; i < 100000; ++i) {
+    const auto x = std::bit_cast<float>(static_cast<std::uint32_t>(CounterRng(4, i).next_u64()));
+    if (!std::isnan(x)) expect_same(x);
+  }
+  EXPECT_TRUE(std::isnan(next_up(Limits::quiet_NaN())) && std::isnan(next_down(Limits::quiet_NaN())));
+  static_assert(next_up(1.0f) == 1.0f + 0x1p-23f);
+}
+
 TEST(FloatBounds, DirectedRoundingIsTheTightest) {
   for (std::uint64_t i = 0; i < 10000; ++i) {
     CounterRng rng(3, i);
