@@ -29,7 +29,7 @@ namespace accel {
 struct CellRay {
   float org[3];
   float inv_dir[3];              // +inf for zero of either sign
-  std::uint32_t backwards_axes;  // bit a: the ray runs towards smaller coordinates
+  std::uint32_t backwards_axes;  // bit a of every byte: the ray runs towards smaller coordinates
   float t_anchor, t_unit;        // the distance t here is t_anchor + t_unit * t of the ray
 
   // For cells in a box, which is not empty.
@@ -61,6 +61,9 @@ struct CellRay {
   // 1 where the ray runs towards smaller coordinates, else 0.
   ACCEL_HD std::uint32_t backwards(int axis) const { return backwards_axes >> axis & 1u; }
 
+  // The same for the axis in bits 0 to 2 of a word: where another step waits for the result, masking the word would cost time.
+  ACCEL_HD std::uint32_t backwards_at(std::uint32_t word) const { return backwards_axes >> (word & 31u) & 1u; }
+
   // The faces through which the ray enters and leaves boxes.
   ACCEL_HD float entry_face(const Aabb& box, int axis) const { return either(box.lo[axis], box.hi[axis], backwards(axis)); }
   ACCEL_HD float exit_face(const Aabb& box, int axis) const { return either(box.hi[axis], box.lo[axis], backwards(axis)); }
@@ -88,7 +91,7 @@ struct CellRay {
 
   ACCEL_HD static float inverse(float dir) { return dir == 0 ? std::numeric_limits<float>::infinity() : 1.0f / dir; }
   ACCEL_HD static std::uint32_t backwards_axes_of(Vec3 dir) {
-    return (dir.x < 0 ? 1u : 0u) | (dir.y < 0 ? 2u : 0u) | (dir.z < 0 ? 4u : 0u);
+    return ((dir.x < 0 ? 1u : 0u) | (dir.y < 0 ? 2u : 0u) | (dir.z < 0 ? 4u : 0u)) * 0x01010101u;
   }
   ACCEL_HD static float largest_magnitude(Vec3 v) {
     return largest_component({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});

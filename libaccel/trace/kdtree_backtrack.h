@@ -26,9 +26,8 @@ struct KdTreeBacktrack : KdTraversal<Test, kQuery> {
   static constexpr KdExtras kNeeds = KdExtras::parents_and_boxes;
 
   struct State : KdState<Test> {
-    float t_end;          // global-t_max
-    std::uint32_t index;  // of the node that the traversal is in, or that it climbs from
-    bool climbing;
+    float t_end;    // global-t_max
+    bool climbing;  // from the node at `index`
   };
 
   template <class Observer>
@@ -42,7 +41,7 @@ struct KdTreeBacktrack : KdTraversal<Test, kQuery> {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.ray, state.node);
+    const KdCrossing plane = crossing(view, state);
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
     if (plane.t < state.t_max) state.t_max = plane.t;
     return go_to(view, plane.first, state, observer);
@@ -72,7 +71,6 @@ struct KdTreeBacktrack : KdTraversal<Test, kQuery> {
  private:
   template <class Observer>
   ACCEL_HD static Phase go_to(const View& view, std::uint32_t index, State& state, Observer& observer) {
-    state.index = index;
     state.climbing = false;
     return enter(view, index, state, observer);
   }

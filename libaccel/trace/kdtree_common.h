@@ -37,7 +37,8 @@ struct KdState {
   CellRay ray;
   typename Test::RayData test;
   float t_min, t_max;       // the ray's interval in the current node
-  KdNode node;              // while descending
+  std::uint32_t index;      // of the current node
+  KdNode node;              // what it holds; on hosts, the link only: see payload_of()
   std::uint32_t reference;  // in a leaf
 };
 
@@ -53,27 +54,43 @@ ACCEL_HD bool begin_kdtree(const KdTreeView& view, const Ray& ray, KdState<Test>
   return state.t_min <= state.t_max;
 }
 
+// The first word of the node that the state is in. Devices load nodes whole. Hosts load it where it is used: the plane goes
+// straight to a register for floats, and the branch that it decides, which is the one that is hardest to predict, is decided
+// that much earlier.
+template <class Test>
+ACCEL_HD std::uint32_t payload_of(const KdTreeView& view, const KdState<Test>& state) {
+  return is_device_code() ? state.node.payload : view.nodes[state.index].payload;
+}
+
 // Where the ray meets the plane of an inner node, and the child on whose side it is before.
 struct KdCrossing {
   float t;
   std::uint32_t first;
   ACCEL_HD std::uint32_t second() const { return first ^ 1u; }
 };
-ACCEL_HD KdCrossing crossing(const CellRay& ray, KdNode node) {
-  return {ray.crossing(node.axis(), node.plane()), node.lower_child() + ray.backwards(node.axis())};
+template <class Test>
+ACCEL_HD KdCrossing crossing(const KdTreeView& view, const KdState<Test>& state) {
+  const KdNode node{payload_of(view, state), state.node.link};
+  // Children begin at even indices, so bit 2 of the link is 0 and bits 3 and 4 are anyone's.
+  return {state.ray.crossing(node.axis(), node.plane()), node.lower_child() + state.ray.backwards_at(node.link)};
 }
 
-// Reaches the leaf that state.node is, and tells the phase that it calls for.
+// Reaches the leaf that the state is in, and tells the phase that it calls for.
 template <class Test, class Observer>
-ACCEL_HD Phase enter_leaf(std::uint32_t index, KdState<Test>& state, Observer& observer) {
-  observer.leaf_visit(index);
-  state.reference = state.node.first_reference();
+ACCEL_HD Phase enter_leaf(const KdTreeView& view, KdState<Test>& state, Observer& observer) {
+  observer.leaf_visit(state.index);
+  state.reference = payload_of(view, state);
   return state.reference == kEmptyLeaf ? Phase::backtrack : Phase::intersect;
 }
 
 template <class Test, class Observer>
 ACCEL_HD void load_node(const KdTreeView& view, std::uint32_t index, KdState<Test>& state, Observer& observer) {
-  state.node = load_8_bytes(view.nodes[index]);
+  state.index = index;
+  if (is_device_code()) {
+    state.node = load_8_bytes(view.nodes[index]);
+  } else {
+    state.node.link = view.nodes[index].link;
+  }
   observer.load(Memory::node, view.nodes + index, sizeof(KdNode));
 }
 
@@ -81,7 +98,7 @@ ACCEL_HD void load_node(const KdTreeView& view, std::uint32_t index, KdState<Tes
 template <class Test, class Observer>
 ACCEL_HD Phase enter(const KdTreeView& view, std::uint32_t index, KdState<Test>& state, Observer& observer) {
   load_node(view, index, state, observer);
-  return state.node.is_leaf() ? enter_leaf(index, state, observer) : Phase::descend;
+  return state.node.is_leaf() ? enter_leaf(view, state, observer) : Phase::descend;
 }
 
 // Whether no triangle beyond the current leaf can be met before the hit.

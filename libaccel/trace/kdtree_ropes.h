@@ -39,7 +39,7 @@ struct KdTreeRopes : KdTraversal<Test, kQuery> {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.ray, state.node);
+    const KdCrossing plane = crossing(view, state);
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
     return go_to(view, plane.first, state, observer);
   }
@@ -59,7 +59,7 @@ struct KdTreeRopes : KdTraversal<Test, kQuery> {
     if (!state.node.is_leaf()) return Phase::descend;
     find_exit(view.ropes[state.node.ordinal()], state, observer);
     const bool is_passed_through = !(state.t_min < state.t_max) && state.t_max < state.t_end;
-    return is_passed_through ? Phase::backtrack : enter_leaf(index, state, observer);
+    return is_passed_through ? Phase::backtrack : enter_leaf(view, state, observer);
   }
 
   // Where the ray leaves the leaf's cell, and the rope of that face. At the border of the tree the ray has ended.

@@ -50,7 +50,7 @@ struct KdTreeShortStack : KdTraversal<Test, kQuery> {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.ray, state.node);
+    const KdCrossing plane = crossing(view, state);
     if (!(plane.t > state.t_min)) return enter_only(view, plane.second(), state, observer);
     if (!(plane.t < state.t_max)) return enter_only(view, plane.first, state, observer);
     push(state, {plane.second(), state.t_max}, observer);

@@ -28,7 +28,7 @@ struct KdTreeStack : KdTraversal<Test, kQuery> {
     Postponed entries[kKdStackSize];
   };
   struct State : KdState<Test> {
-    int postponed;  // entries on the stack
+    std::uint32_t postponed;  // entries on the stack; unsigned, which saves extending its sign in every step
     Stack* stack;
   };
 
@@ -43,7 +43,7 @@ struct KdTreeStack : KdTraversal<Test, kQuery> {
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
-    const KdCrossing plane = crossing(state.ray, state.node);
+    const KdCrossing plane = crossing(view, state);
     // A branch, not a select: a predicted child is fetched before the distance is known, see bvh2_stack.h.
     if (!(plane.t > state.t_min)) return enter(view, plane.second(), state, observer);
     Postponed& entry = state.stack->entries[state.postponed++];
