@@ -40,15 +40,16 @@ class TableReporter : public benchmark::ConsoleReporter {
     }
   }
 
-  void print_table() const {
-    std::printf("\n%-40s %-14s %12s %22s %10s\n", "group", "row", "median (ms)", "min ... max (ms)", "x Embree");
+  // Ratios are to the row `baseline` of a group.
+  void print_table(const std::string& baseline) const {
+    std::printf("\n%-40s %-14s %12s %22s %10s\n", "group", "row", "median (ms)", "min ... max (ms)", ("x " + baseline).c_str());
     for (const auto& [group, rows] : groups_) {
-      const auto embree = rows.find(kEmbreeRow);
+      const auto base = rows.find(baseline);
       for (const auto& [row, times] : rows) {
         const auto [least, most] = std::minmax_element(times.seconds.begin(), times.seconds.end());
         std::printf("%-40s %-14s %12.3f %10.3f ... %7.3f", group.c_str(), row.c_str(), times.median() * 1e3, *least * 1e3,
                     *most * 1e3);
-        if (embree != rows.end()) std::printf(" %10.3f", embree->second.median() / times.median());
+        if (base != rows.end()) std::printf(" %10.3f", base->second.median() / times.median());
         std::printf("\n");
       }
     }
@@ -68,7 +69,7 @@ std::vector<std::string> with_defaults(int argc, char** argv) {
 
 }  // namespace
 
-int run(int argc, char** argv, const std::function<Status(const Options&)>& register_benchmarks) {
+int run(int argc, char** argv, const std::function<Status(const Options&)>& register_benchmarks, const std::string& baseline) {
   const Result<Options> options = parse_options(argc, argv);
   if (!options) return std::fprintf(stderr, "error: %s\n", options.message().c_str()), 2;
 
@@ -83,7 +84,7 @@ int run(int argc, char** argv, const std::function<Status(const Options&)>& regi
     return std::fprintf(stderr, "error: %s\n", registered.message().c_str()), 1;
   TableReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
-  reporter.print_table();
+  reporter.print_table(baseline);
   return 0;
 }
 
