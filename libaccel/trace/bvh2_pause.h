@@ -18,7 +18,12 @@
 //
 // Another ray, as in path tracing from the point of the hit: for_another_ray() forgets what was culled.
 //
-// By the key alone: where all keys are hashed, node and trail may be missing (by_key_alone()).
+// By the key alone: node and trail may be missing (by_key_alone()). The node is found in constant time where all keys are
+// hashed; other traversers go down to it from the root.
+//
+// What it saves. With random rays a resumed traversal visits 0.43 (colonnade) to 0.76 (soup) of the nodes that a traversal
+// behind the same hit visits from the root; by its key alone 0.86 to 0.88. On a CPU both take the same time, as [BK16] found on
+// GPUs: the nodes that are saved are those in the caches.
 //
 // Needs. Trees down to depth 63; check_pausable() tells of deeper ones, and of missing links and tables. A traverser with a
 // register for the node postponed last starts with the leaf's sibling in it. No links lead there, and its key need not be in

@@ -23,7 +23,7 @@ using HitList = std::vector<Hit>;
 
 // Whether two lists are the same, bit for bit.
 bool is_same(const HitList& a, const HitList& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0;
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0);
 }
 
 class MultiHit : public MethodTest {

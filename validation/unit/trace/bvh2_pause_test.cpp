@@ -63,7 +63,7 @@ std::vector<Hit> all_at_once(const Bvh2& tree, const Ray& ray) {
 }
 
 bool same(const std::vector<Hit>& a, const std::vector<Hit>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0;
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0);
 }
 
 Bvh2 with_extras(Bvh2 tree, std::initializer_list<Bvh2Extras> extras) {
