@@ -129,7 +129,7 @@ TEST(PausedTraversal, BringsEveryHitOnceOnScenesThatHurt) {
     const auto built = Sbvh::build(scene.mesh, {.max_leaf_size = 2});
     ASSERT_TRUE(built) << built.message();
     SCOPED_TRACE(scene.name);
-    const std::vector<Ray> rays = validation::stress_rays(scene.mesh, 100, 72);
+    const std::vector<Ray> rays = validation::stress_rays(scene.mesh, 60, 72);
     const Tally tally = expect_all_chains<Watertight>(built->structure, rays);
     sum.rays += tally.rays, sum.hits += tally.hits, sum.different += tally.different;
     sum.most = std::max(sum.most, tally.most);
@@ -149,7 +149,7 @@ TEST(PausedTraversal, BringsEveryHitOnceOnBuiltinScenes) {
     ASSERT_TRUE(built) << built.message();
     if (built->structure.depth > kMaxDepth64) continue;  // refused, as CheckPausable has it
     SCOPED_TRACE(builtin.name);
-    const Tally tally = expect_all_chains<Watertight>(built->structure, validation::stress_rays(mesh, 60, 73));
+    const Tally tally = expect_all_chains<Watertight>(built->structure, validation::stress_rays(mesh, 40, 73));
     EXPECT_LE(tally.different, 1 + tally.rays / 200);
     EXPECT_GT(tally.hits, tally.rays / 2);
   }
