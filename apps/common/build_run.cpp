@@ -17,9 +17,9 @@ std::string resolution_text(const int (&cells)[3]) {
   return std::to_string(cells[0]) + "x" + std::to_string(cells[1]) + "x" + std::to_string(cells[2]);
 }
 
-std::map<std::string, std::string> option_texts(const BuildOptions& options, float default_traversal_cost) {
+std::map<std::string, std::string> option_texts(const BuildOptions& options) {
   const auto text = [](double value) { return std::to_string(value); };
-  return {{"traversal_cost", text(options.traversal_cost.value_or(default_traversal_cost))},
+  return {{"traversal_cost", text(options.traversal_cost)},
           {"intersection_cost", text(options.intersection_cost)},
           {"bins", std::to_string(options.bins)},
           {"max_leaf_size", std::to_string(options.max_leaf_size)},
@@ -37,7 +37,7 @@ AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const Struc
   metadata.structure = accel.method().structure;
   metadata.builder = accel.method().builder;
   metadata.scene = scene.name;
-  metadata.options = option_texts(options, metadata.structure == KdTree::kName ? kPlaneCost : kBoxesCost);
+  metadata.options = option_texts(options);
   const BuildReport& report = accel.report();
   metadata.statistics = {{"build_seconds", report.seconds},
                          {"triangles", static_cast<double>(report.triangles)},

@@ -158,11 +158,7 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
   add("--max-leaf-size", options.max_leaf_size, "BVHs: most triangles in a leaf", whole_number(1, 1024), "N");
   add("--max-depth", options.max_depth, "most inner nodes on a path", whole_number(1, kMaxBuildDepth), "N");
   add("--bins", options.bins, "BVHs: bins of the surface-area heuristic, per axis", whole_number(2, kMaxBins), "N");
-  app.add_option("--traversal-cost", options.traversal_cost, "cost of a step through a node")
-      ->check(real_number(1e-3, 1e6))
-      ->default_str(short_number(kBoxesCost) + "; kd-trees: " + short_number(kPlaneCost))
-      ->type_name("X")
-      ->group("Build");
+  add("--traversal-cost", options.traversal_cost, "cost of a step through a node", real_number(1e-3, 1e6), "X");
   add("--intersection-cost", options.intersection_cost, "cost of a triangle test", real_number(1e-3, 1e6), "X");
   add("--spatial-overlap", options.spatial_overlap, "sbvh: least overlap for a spatial split, as a share\nof the root",
       real_number(0, 1), "X");

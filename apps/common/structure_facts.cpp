@@ -30,7 +30,7 @@ StructureFacts facts_from(const Bvh2Stats& stats) {
 
 // Leaves and their depths are those of the trees over meshes.
 StructureFacts facts_of_kind(const TwoLevelBvh& bvh, const BuildOptions& options, Detail) {
-  const TwoLevelStats stats = two_level_stats(bvh, options.traversal_cost.value_or(kBoxesCost), options.intersection_cost);
+  const TwoLevelStats stats = two_level_stats(bvh, options.traversal_cost, options.intersection_cost);
   StructureFacts facts = facts_from(stats.meshes);
   facts.sah_cost = stats.sah_cost;
   facts.depth = bvh.depth;
@@ -38,17 +38,17 @@ StructureFacts facts_of_kind(const TwoLevelBvh& bvh, const BuildOptions& options
 }
 
 StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detail detail) {
-  const Bvh2Stats stats = bvh2_stats(bvh, options.traversal_cost.value_or(kBoxesCost), options.intersection_cost);
+  const Bvh2Stats stats = bvh2_stats(bvh, options.traversal_cost, options.intersection_cost);
   StructureFacts facts = facts_from(stats);
   if (detail == Detail::all) {
     const auto stride = static_cast<std::uint32_t>(std::max<std::uint64_t>(stats.triangles / kMostOverlapTriangles, 1));
-    facts.epo = end_point_overlap(bvh, options.traversal_cost.value_or(kBoxesCost), options.intersection_cost, stride);
+    facts.epo = end_point_overlap(bvh, options.traversal_cost, options.intersection_cost, stride);
   }
   return facts;
 }
 
 StructureFacts facts_of_kind(const Grid& grid, const BuildOptions& options, Detail) {
-  const GridStats stats = grid_stats(grid, options.traversal_cost.value_or(kBoxesCost), options.intersection_cost);
+  const GridStats stats = grid_stats(grid, options.traversal_cost, options.intersection_cost);
   const GridResolution& cells = stats.resolution;
   StructureFacts facts;
   facts.sah_cost = stats.expected_cost;
@@ -65,7 +65,7 @@ StructureFacts facts_of_kind(const Grid& grid, const BuildOptions& options, Deta
 StructureFacts facts_of_kind(const KdTree& tree, const BuildOptions& options, Detail) {
   const KdTreeStats stats = kdtree_stats(tree);
   StructureFacts facts;
-  facts.sah_cost = stats.sah_cost(options.traversal_cost.value_or(kPlaneCost), options.intersection_cost);
+  facts.sah_cost = stats.sah_cost(options.traversal_cost, options.intersection_cost);
   facts.expected_steps = stats.expected_steps, facts.expected_tests = stats.expected_tests;
   facts.depth = stats.depth;
   facts.inner_nodes = stats.inner_nodes, facts.leaves = stats.leaves;

@@ -41,7 +41,7 @@ Status validate(const BuildOptions& options) {
   const auto is_cost = [](float x) { return x >= 0.0f && x <= 1e6f; };
   if (options.threads < 0)
     return Error{"build option threads is " + std::to_string(options.threads) + "; it must be 0 or more"};
-  if (!is_cost(options.traversal_cost.value_or(0))) return Error{"build option traversal_cost must lie in [0, 1e6]"};
+  if (!is_cost(options.traversal_cost)) return Error{"build option traversal_cost must lie in [0, 1e6]"};
   if (!is_cost(options.intersection_cost)) return Error{"build option intersection_cost must lie in [0, 1e6]"};
   if (options.bins < 2 || options.bins > kMaxBins)
     return Error{"build option bins is " + std::to_string(options.bins) + "; it must lie in [2, " + std::to_string(kMaxBins) +

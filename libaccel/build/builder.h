@@ -15,7 +15,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,16 +30,12 @@ inline constexpr float kMaxDuplication = 15.0f;
 inline constexpr float kMaxKdReferences = 1024.0f;
 inline constexpr float kMaxGridDensity = 1e6f;
 
-// What a step through a node costs when options do not say, in triangle tests: two boxes, or a cell of a grid, and one plane.
-// Measured (build/kdtree_sah.h says how).
-inline constexpr float kBoxesCost = 1.0f, kPlaneCost = 0.5f;
-
 struct BuildOptions {
   int threads = 0;  // 0: as many as the machine has
 
-  // The cost model of the surface-area heuristic, in any unit: one step through a node (none: kBoxesCost, for kd-trees
-  // kPlaneCost), one triangle test.
-  std::optional<float> traversal_cost;
+  // The cost model of the surface-area heuristic, in any unit: one step through a node (two boxes, or one plane), one triangle
+  // test.
+  float traversal_cost = 1.0f;
   float intersection_cost = 1.0f;
 
   int bins = 32;          // per axis, for object and spatial splits

@@ -146,7 +146,7 @@ void explain(const KdTally& tally, int levels, BuildReport& report) {
 }
 
 KdCosts costs_of(const BuildOptions& options) {
-  return {options.traversal_cost.value_or(kPlaneCost), options.intersection_cost, options.empty_bonus};
+  return {options.traversal_cost, options.intersection_cost, options.empty_bonus};
 }
 
 }  // namespace
@@ -175,8 +175,6 @@ Result<Built<KdTree>> KdTreeSah::build(const TriangleMesh& mesh, const BuildOpti
     if (!tree) return tree;
     tree->bounds = root.cell;
     tree->depth = static_cast<std::uint32_t>(root.levels - builder.tally().least_levels);
-    if (!context.options.traversal_cost)
-      context.report.notes.push_back({"traversal cost", "0.5 triangle tests a plane, because no other is asked for"});
     explain(builder.tally(), root.levels, context.report);
     return tree;
   });

@@ -7,12 +7,11 @@
 //
 // Deviations: one list of events an axis, and no planar events, since padded triangles are never flat; references are bounded.
 //
-// Costs. A plane is half a triangle test (kPlaneCost). With kdtree/stack, primary and diffuse rays are then 10 and 2 % faster
-// in Conference than at 1, 14 and 3 % in BART Kitchen; in Sponza and Bathroom primary rays gain up to 2 %, and diffuse rays
-// lose 3 %. Trees are 23 to 38 % larger, and building them takes a fifth longer (Dragon: 22 %); 0.35 gains nothing more.
-// Bonuses from 0 to 0.2 make little difference; the paper's is 0.2. Costs of visiting a leaf, empty or not, were tried in the
-// model and changed nothing. The 8 to 1 of Foley and Sugerman 2005 makes a tenth of the nodes of 1 to 1, and rays take up to
-// 1.4 times as long.
+// Costs. With kdtree/stack, rays take much the same time for traversal costs from 0.5 to 1.5 triangle tests and for bonuses
+// from 0 to 0.2, so the defaults lie in between; the paper's bonus is 0.2. At 0.5 primary rays are 13 % faster in BART Kitchen
+// and 9 % in Conference than at 1, diffuse rays 4 % slower in Sponza and Bathroom; trees are 23 to 38 % larger, and their
+// builds take a fifth longer. Costs of visiting a leaf, empty or not, were tried in the model and changed nothing. The 8 to 1
+// of Foley and Sugerman 2005 makes a tenth of the nodes, and rays take up to 1.4 times as long.
 //
 // Invariants: a triangle is in every leaf within pad of it; depth <= 8 + 1.3 log2 n (section 3.3), max_depth and kKdStackSize;
 // references <= max_references a triangle. The same bytes for any number of threads. O(n log n) for the n references that there

@@ -23,7 +23,7 @@ ObjectCandidate find_object_split(const Reference* references, const ReferenceSe
   if (must_balance(set.size(), set.levels, options.max_leaf_size)) return candidate;
   ObjectBins bins;
   bins.fill(references, set.begin, set.end, candidate.mapping);
-  candidate.split = bins.best_split(set.bounds.boxes, options.traversal_cost.value_or(kBoxesCost), options.intersection_cost);
+  candidate.split = bins.best_split(set.bounds.boxes, options.traversal_cost, options.intersection_cost);
   return candidate;
 }
 

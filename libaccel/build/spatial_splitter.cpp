@@ -72,7 +72,7 @@ SpatialSplit SpatialSplitter::find_spatial_split(const ReferenceSet& set) const 
   if (set.spare() == 0 || must_balance(set.size() + 1, set.levels, options_.max_leaf_size)) return {};
   const SlabMapping mapping(set.bounds.boxes, slabs_for(set.size(), options_));
   return SpatialBins::best_split(mesh_, references_, set.begin, set.end, set.bounds.boxes, mapping, set.spare(),
-                                 options_.traversal_cost.value_or(kBoxesCost), options_.intersection_cost);
+                                 options_.traversal_cost, options_.intersection_cost);
 }
 
 bool SpatialSplitter::split(const ReferenceSet& set, ReferenceSet (&children)[2]) const {
