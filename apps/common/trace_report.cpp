@@ -92,6 +92,12 @@ std::string short_count(std::uint64_t n) {
   return n < 1000000 ? with_commas(n) : print("%.2f M", static_cast<double>(n) * 1e-6);
 }
 
+// Five characters at most: a slow method must not make the table wider than a terminal.
+std::string speed_text(double mrays) {
+  if (mrays >= 0.0995) return short_number(mrays);
+  return print(mrays >= 0.0095 ? "%.2f" : "%.0e", mrays);
+}
+
 std::string speed_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
   Table table({{"RAYS", Align::left},
                {"method", Align::left},
@@ -110,8 +116,8 @@ std::string speed_section(const TraceReport& report, const TraceSettings& settin
     const bool timed = row.speed.median > 0;
     const bool compared = timed && witness != nullptr && witness->speed.median > 0;
     table.add_row({first ? row.rays_kind : "", row.method, first ? short_count(row.rays) : "",
-                   timed ? short_number(row.speed.median) : "",
-                   timed ? short_number(row.speed.least) + " - " + short_number(row.speed.most) : "",
+                   timed ? speed_text(row.speed.median) : "",
+                   timed ? speed_text(row.speed.least) + " - " + speed_text(row.speed.most) : "",
                    compared ? print("%.2f", row.speed.median / witness->speed.median) : "",
                    row.counters ? per_ray(row.counters->node_steps, row.rays) : "",
                    row.counters ? per_ray(row.counters->triangle_tests, row.rays) : "", verdict_cell(row, terminal)});
@@ -133,6 +139,11 @@ void add_verdict_row(Table& table, const std::string& kind, const std::string& e
                  bad(v.miss), bad(v.far), bad(v.false_hit), per_million});
 }
 
+// Whether one line about the witness serves both. Methods that are judged by other truths have another witness.
+bool have_same_witness(const TraceRow& a, const TraceRow& b) {
+  return a.rays_kind == b.rays_kind && b.check->has_witness && a.check->witness == b.check->witness;
+}
+
 std::string verdict_section(const TraceReport& report, const Terminal& terminal) {
   Table table({{"RAYS", Align::left},
                {"engine", Align::left},
@@ -145,13 +156,17 @@ std::string verdict_section(const TraceReport& report, const Terminal& terminal)
                {"false"},
                {"wrong/M"}});
   std::string limits;
-  for (const TraceRow& row : report.rows) {
-    if (!row.check) continue;
+  std::vector<const TraceRow*> rows;
+  for (const TraceRow& row : report.rows)
+    if (row.check) rows.push_back(&row);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const TraceRow& row = *rows[i];
     if (row.check->limit_binds())
       limits += "  " + row.method + ", " + row.rays_kind + ": --judge-limit left " + counted(row.check->unjudged, "ray") +
                 " unjudged\n";
     add_verdict_row(table, row.rays_kind, row.method, row.check->ours, row.rays, terminal);
-    if (row.check->has_witness) add_verdict_row(table, "", "Embree robust", row.check->witness, row.rays, terminal);
+    if (row.check->has_witness && !(i + 1 < rows.size() && have_same_witness(row, *rows[i + 1])))
+      add_verdict_row(table, "", "Embree robust", row.check->witness, row.rays, terminal);
   }
   return section(terminal,
                  "Verdicts: of rays that agree with the witness a sample is judged exactly, of all others every one") +

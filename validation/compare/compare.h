@@ -35,6 +35,7 @@ struct Verdicts {
 
   std::uint64_t failures() const { return miss + far + false_hit; }
   void count(Verdict verdict);
+  bool operator==(const Verdicts&) const = default;
 };
 
 // Of the judged rays, with a witness. An answer counts as right here unless it is a failure: neighbour and edge are answers
