@@ -19,7 +19,7 @@ TwoLevelBvh built(const InstancedMeshes& scene) {
 
 template <class Array>
 bool same(const Array& a, const Array& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
 // Every tree gets what it would get by itself.
