@@ -19,6 +19,7 @@
 #include "libaccel/io/load_mesh.h"
 #include "libaccel/io/npy.h"
 #include "libaccel/io/structure_sections.h"
+#include "libaccel/packet/ray_order.h"
 #include "libaccel/rays/camera.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/any_accel.h"

@@ -24,11 +24,9 @@ Speed speed_of(const std::vector<Measurement::Pass>& passes, std::size_t rays) {
   if (passes.empty() || rays == 0) return {};
   std::vector<double> seconds;
   for (const Measurement::Pass& pass : passes) seconds.push_back(pass.seconds);
-  std::sort(seconds.begin(), seconds.end());
-  const std::size_t n = seconds.size();
-  const double median = n % 2 == 1 ? seconds[n / 2] : 0.5 * (seconds[n / 2 - 1] + seconds[n / 2]);
+  const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
   const auto mrays = [&](double s) { return static_cast<double>(rays) * 1e-6 / std::max(s, 1e-9); };
-  return {mrays(median), mrays(seconds.back()), mrays(seconds.front())};
+  return {mrays(median(seconds)), mrays(*most), mrays(*least)};
 }
 
 // One pass. Fills the answers and returns what tracing took. While `learn`, calls grow until one takes long enough
@@ -52,6 +50,12 @@ Result<Measurement::Pass> trace_once(Engine& engine, std::span<const Ray> rays, 
 }
 
 }  // namespace
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
 
 Engine engine_of(const AnyAccel& accel, const TraceOptions& options) {
   Engine engine;

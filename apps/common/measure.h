@@ -65,6 +65,9 @@ struct Measurement {
 Outcome<std::vector<Measurement>> measure(std::span<Engine> engines, std::span<const Ray> rays, Query query, int repeat,
                                           ProgressBar& bar);
 
+// Of at least one value.
+double median(std::vector<double> values);
+
 // Runs a function that returns a Status and says how many seconds it took.
 template <class Function>
 Result<double> timed(const Function& function) {

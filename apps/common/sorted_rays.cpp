@@ -7,12 +7,6 @@ namespace accel::apps {
 
 namespace {
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 template <class Function>
 double seconds_of(const Function& function) {
   return *timed([&]() -> Status { return function(), Done{}; });

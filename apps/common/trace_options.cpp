@@ -106,7 +106,7 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->type_name("NAME")
       ->group("Measuring and checking");
   app.add_option("--cell-fraction", settings.cell_fraction, "ray-hash: cells, as a share of the scene's diagonal")
-      ->check(CLI::Range(1e-6f, 1.0f))
+      ->check(CLI::Range(2e-5f, 1.0f))
       ->capture_default_str()
       ->type_name("X")
       ->group("Measuring and checking");

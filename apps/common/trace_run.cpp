@@ -106,13 +106,15 @@ class TraceRun {
   Finished check_memory(const std::string& kind, const RayMaker& maker) const {
     const std::uint64_t rays = maker.most_rays(kind);
     const std::uint64_t orders = settings_.sort ? 2 : 1;
+    const std::uint64_t nearest = settings_.hits > 0 && kind == settings_.ray_kinds.front() ? settings_.hits : 0;
     const std::uint64_t bytes =
-        rays * ((sizeof(Ray) + sizeof(std::uint32_t)) * orders + sizeof(Hit) * (orders * engines_.size() + 2));
+        rays * ((sizeof(Ray) + sizeof(std::uint32_t)) * orders + sizeof(Hit) * (orders * engines_.size() + 2 + nearest));
     const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
     if (bytes <= memory) return Done{};
     return Failure(ExitStatus::error, counted(rays, "ray") + " of kind " + kind + " need " + bytes_text(bytes) +
                                           ", and this machine has " + bytes_text(memory) +
-                                          "; make --width, --height, --spp or --count smaller");
+                                          "; make --width, --height, --spp or --count smaller" +
+                                          (nearest > 0 ? ", or --hits" : ""));
   }
 
   // Everything about one kind of rays: time all methods and the witness in turns, count, check.

@@ -14,9 +14,9 @@ BuildNote note_of_tables(const TwoLevelBvh& bvh) {
   std::size_t with_tables = 0, wide = 0;
   for (const TwoLevelTree& tree : bvh.trees) with_tables += tree.displacements > 0, wide += tree.depth > kMaxDepth32;
   return {"hash tables", "of " + std::to_string(with_tables) + " of " + std::to_string(bvh.trees.size()) +
-                             " trees, in the others no key can be looked up; " + std::to_string(wide) +
-                             " trees are deeper than keys of 32 bits reach; " +
-                             std::to_string(bvh.displacements.size_bytes() + bvh.slots.size_bytes()) + " bytes in all"};
+                             " trees (where there is none, no key can be looked up), with 64-bit keys for " +
+                             std::to_string(wide) +
+                             " of them: " + std::to_string(bvh.displacements.size_bytes() + bvh.slots.size_bytes()) + " bytes"};
 }
 
 }  // namespace
@@ -27,8 +27,8 @@ Status add_extras(TwoLevelBvh& bvh, Bvh2Extras extras, BuildReport& report) {
   for (std::size_t i = 0; i < bvh.trees.size(); ++i) {
     trees.push_back(bvh.tree(i));
     triangles.push_back(bvh.trees[i].triangles);
-    BuildReport of_tree;
     if (trees.back().has(extras)) continue;
+    BuildReport of_tree;
     if (const Status added = add_extras(trees.back(), extras, of_tree); !added) return added;
   }
   Buffer<TwoLevelInstance> instances = bvh.instances;

@@ -42,12 +42,7 @@ struct CpuPrimitives {
     });
     const T total = scan_serially(before.data(), before.size(), before.data());
     for_chunks(0, n, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      T sum = before[chunk];
-      for (std::size_t i = begin; i < end; ++i) {
-        const T value = in[i];
-        out[i] = sum;
-        sum += value;
-      }
+      scan_serially(in + begin, end - begin, out + begin, before[chunk]);
     });
     return total;
   }
@@ -117,8 +112,7 @@ struct CpuPrimitives {
   using Histogram = std::array<std::uint32_t, 256>;
 
   template <class T>
-  static T scan_serially(const T* in, std::size_t n, T* out) {
-    T sum{};
+  static T scan_serially(const T* in, std::size_t n, T* out, T sum = {}) {
     for (std::size_t i = 0; i < n; ++i) {
       const T value = in[i];
       out[i] = sum;
@@ -127,7 +121,7 @@ struct CpuPrimitives {
     return sum;
   }
 
-  // Where the elements of each chunk with each digit go; empty if there is one digit only.
+  // Turns the counts of each chunk's digits into where they go. False, with nothing of use in them, if there is one digit only.
   static bool place_digits(std::vector<Histogram>& counts, std::size_t n) {
     std::uint32_t next = 0;
     for (std::size_t digit = 0; digit < 256; ++digit) {

@@ -4,7 +4,8 @@
 // A virtual grid of cubical cells quantises the origin (cell size = fraction x diagonal of the scene's box, section 4), and a
 // grid on each face of the unit cube the direction. Deviations: the face, dominant axis and sign, is part of the value, so that
 // no packet of equal values mixes dominant axes; cells are numbered along Z-curves, so that values that follow each other are
-// near each other, too; 64 bits are offered, where far cells never share a value. In 32 bits they may: that is slow, not wrong.
+// near each other, too; 64 bits are offered, where far cells of grids with up to 2^16 cells a side never share a value. In 32
+// bits they may: that is slow, not wrong.
 //
 //   bits:   32 bits: 8 bits of the cell for each axis (modulo 256), 3 of the face, 2 + 2 within the face
 //           64 bits: 16 bits of the cell for each axis, 3 of the face, 6 + 6 within the face
@@ -25,7 +26,6 @@ template <class Key>
 struct RayHash {
   static constexpr int kOriginBits = sizeof(Key) == 8 ? 16 : 8;    // an axis
   static constexpr int kDirectionBits = sizeof(Key) == 8 ? 6 : 2;  // an axis of a face
-  static constexpr std::uint32_t kFaces = 6;
 
   Vec3 lo;                    // of the grid
   float cells = 0;            // per unit of length

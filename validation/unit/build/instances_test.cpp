@@ -6,15 +6,12 @@
 
 #include "libaccel/build/sbvh.h"
 #include "validation/stress/stress_instances.h"
+#include "validation/unit/build/built_instances.h"
 
 namespace accel {
 namespace {
 
-TwoLevelBvh built(const InstancedMeshes& scene, const BuildOptions& options = {}) {
-  auto result = InstanceBuilder::build(scene, options);
-  EXPECT_TRUE(result) << result.message();
-  return std::move(result->structure);
-}
+using test::built;
 
 TEST(InstanceBuilder, TheSameBytesForAnyNumberOfThreads) {
   const InstancedMeshes scene = validation::instanced_scenes()[7].scene;

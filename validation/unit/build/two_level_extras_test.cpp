@@ -5,17 +5,13 @@
 #include <cstring>
 
 #include "libaccel/build/bvh2_extras.h"
-#include "libaccel/build/instances.h"
 #include "validation/stress/stress_instances.h"
+#include "validation/unit/build/built_instances.h"
 
 namespace accel {
 namespace {
 
-TwoLevelBvh built(const InstancedMeshes& scene) {
-  auto result = InstanceBuilder::build(scene, {});
-  EXPECT_TRUE(result) << result.message();
-  return std::move(result->structure);
-}
+using test::built;
 
 template <class Array>
 bool same(const Array& a, const Array& b) {

@@ -4,19 +4,15 @@
 
 #include <numeric>
 
-#include "libaccel/build/instances.h"
 #include "libaccel/build/sbvh.h"
 #include "validation/stress/stress_instances.h"
 #include "validation/stress/stress_scenes.h"
+#include "validation/unit/build/built_instances.h"
 
 namespace accel {
 namespace {
 
-TwoLevelBvh built(const InstancedMeshes& scene) {
-  auto result = InstanceBuilder::build(scene, {});
-  EXPECT_TRUE(result) << result.message();
-  return std::move(result->structure);
-}
+using test::built;
 
 // One instance in its place is its mesh, and costs what that costs.
 TEST(TwoLevelStats, OfOneInstanceAreThoseOfItsMesh) {
