@@ -6,6 +6,7 @@ packages=(
   g++ cmake ninja-build mold       # the build
   libtbb-dev                       # parallel loops
   libtinyobjloader-dev             # OBJ files
+  libhwy-dev                       # SIMD, for the best instructions that the machine has
   libzstd-dev libxxhash-dev        # compressed scenes, checksums
   nlohmann-json3-dev               # scene descriptions, reports
   libboost-dev                     # exact arithmetic (Multiprecision)

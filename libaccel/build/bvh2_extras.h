@@ -4,6 +4,7 @@
 #include "libaccel/build/builder.h"
 #include "libaccel/build/bvh2_hash.h"
 #include "libaccel/build/bvh2_links.h"
+#include "libaccel/build/bvh2_octo.h"
 #include "libaccel/build/bvh2_skips.h"
 
 namespace accel {
@@ -22,6 +23,8 @@ inline Status add_extras(Bvh2& bvh, Bvh2Extras extras, BuildReport& report) {
       return add_skips(bvh), Done{};
     case Bvh2Extras::octant_skips:
       return add_octant_skips(bvh), Done{};
+    case Bvh2Extras::octo:
+      return add_octo(bvh);
   }
   return Done{};
 }

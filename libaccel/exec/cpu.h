@@ -37,10 +37,46 @@ void for_each_block(std::size_t count, int threads, const Body& body, std::size_
   arena.execute(run);
 }
 
+namespace detail {
+struct TraceSingly {
+  Hit operator()(const Ray&) const;
+};
+}  // namespace detail
+
+// A traverser that traces batches in its own way: `Batch<F>` is a class that is made of a view, its Options, and a function
+// that traces a single ray, and has trace(rays, answers). See packet/bvh2_breadth_first.h.
+template <class Traverser>
+concept BatchTraverser = requires {
+  typename Traverser::template Batch<detail::TraceSingly>;
+};
+
+// Block by block: each task has its own buffers. May throw std::bad_alloc.
+template <class Traverser, class Answer>
+void trace_batch(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Answer> answers, int threads) {
+  const auto trace_singly = [&view](const Ray& ray) {
+    NullObserver observer;
+    return trace_ray<Traverser>(view, ray, observer);
+  };
+  using Batch = typename Traverser::template Batch<decltype(trace_singly)>;
+  const typename Batch::Options options;
+  if (rays.size() < options.min_size) {
+    for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly(rays[i]), answers[i]);
+    return;
+  }
+  for_each_block(
+      rays.size(), threads,
+      [&](std::size_t begin, std::size_t end) {
+        Batch batch(view, options, trace_singly);
+        batch.trace(rays.subspan(begin, end - begin), answers.subspan(begin, end - begin));
+      },
+      options.block_size);
+}
+
 // hits[i] is what rays[i] meets first. Both spans have the same size.
 template <class Traverser>
 void trace_closest(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
   ACCEL_ASSERT(rays.size() == hits.size());
+  if constexpr (BatchTraverser<Traverser>) return trace_batch<Traverser>(view, rays, hits, threads);
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
     NullObserver observer;
     for (std::size_t i = begin; i < end; ++i) hits[i] = trace_ray<Traverser>(view, rays[i], observer);
@@ -51,9 +87,10 @@ void trace_closest(const typename Traverser::View& view, std::span<const Ray> ra
 template <class Traverser>
 void trace_any(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
   ACCEL_ASSERT(rays.size() == occluded.size());
+  if constexpr (BatchTraverser<Traverser>) return trace_batch<Traverser>(view, rays, occluded, threads);
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
     NullObserver observer;
-    for (std::size_t i = begin; i < end; ++i) occluded[i] = trace_ray<Traverser>(view, rays[i], observer).valid() ? 1 : 0;
+    for (std::size_t i = begin; i < end; ++i) store_answer(trace_ray<Traverser>(view, rays[i], observer), occluded[i]);
   });
 }
 

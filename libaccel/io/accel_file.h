@@ -26,7 +26,7 @@
 
 namespace accel {
 
-inline constexpr std::uint32_t kAccelFileVersion = 3;
+inline constexpr std::uint32_t kAccelFileVersion = 4;
 
 enum class VerifyChecksums : bool { no, yes };
 

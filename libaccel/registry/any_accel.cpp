@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "libaccel/core/suggest.h"
@@ -41,6 +42,15 @@ template <class Out>
 Status same_size(std::span<const Ray> rays, std::span<Out> out) {
   if (rays.size() == out.size()) return Done{};
   return Error{"there are " + std::to_string(rays.size()) + " rays, but room for " + std::to_string(out.size()) + " results"};
+}
+
+// Methods that trace packets need some memory for each thread.
+template <class Trace>
+Status with_memory(const Trace& trace) try {
+  trace();
+  return Done{};
+} catch (const std::bad_alloc&) {
+  return Error{"out of memory while tracing a batch; trace fewer rays at once, or on fewer threads"};
 }
 
 // Whether there is room for k hits a ray and a count.
@@ -126,16 +136,14 @@ Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const T
   const auto test = find_test(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, hits); !s) return s;
-  state_->entry->tests[*test].closest(state_->structure, rays, hits, options.threads);
-  return Done{};
+  return with_memory([&] { state_->entry->tests[*test].closest(state_->structure, rays, hits, options.threads); });
 }
 
 Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options) const {
   const auto test = find_test(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, occluded); !s) return s;
-  state_->entry->tests[*test].occluded(state_->structure, rays, occluded, options.threads);
-  return Done{};
+  return with_memory([&] { state_->entry->tests[*test].occluded(state_->structure, rays, occluded, options.threads); });
 }
 
 // Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more.

@@ -1,9 +1,9 @@
 // The one list of methods.
 //
-// To add a traverser: write one header in trace/, include it and add one line here. The command lines, the conformance and
-// differential tests, the benchmarks, the SIMT model and the CUDA kernels all iterate over this list. The build reads it too
-// (cmake/AccelMethods.cmake) and compiles each method by itself: a line is Method<Builder, Traverser>, and both are names that
-// a header included here declares.
+// To add a traverser: write one header in trace/ (one in packet/, if it traces whole batches), include it and add one line
+// here. The command lines, the conformance and differential tests, the benchmarks, the SIMT model and the CUDA kernels all
+// iterate over this list. The build reads it too (cmake/AccelMethods.cmake) and compiles each method by itself: a line is
+// Method<Builder, Traverser>, and both are names that a header included here declares.
 #pragma once
 
 #include "libaccel/build/binned_sah.h"
@@ -13,6 +13,7 @@
 #include "libaccel/build/sbvh.h"
 #include "libaccel/build/triangle_list.h"
 #include "libaccel/core/type_list.h"
+#include "libaccel/packet/bvh2_breadth_first.h"
 #include "libaccel/registry/method.h"
 #include "libaccel/trace/brute_force.h"
 #include "libaccel/trace/bvh2_hash.h"
@@ -44,6 +45,8 @@ using Methods = TypeList<                     //
     Method<Sbvh, Bvh2RestartTrail>,           // sbvh/restart-trail
     Method<Sbvh, Bvh2Skip>,                   // sbvh/skip
     Method<Sbvh, Bvh2SkipOctant>,             // sbvh/skip-octant
+    Method<BinnedSah, Bvh2BreadthFirst>,      // bvh/breadth-first
+    Method<Sbvh, Bvh2BreadthFirst>,           // sbvh/breadth-first
     Method<GridBuilder, GridDda>,             // grid/dda
     Method<KdTreeSah, KdTreeStack>,           // kdtree/stack
     Method<KdTreeSah, KdTreeRestart>,         // kdtree/restart

@@ -94,6 +94,8 @@ bool Bvh2::has(Bvh2Extras extras) const {
       return nodes.empty() || !skips.empty();
     case Bvh2Extras::octant_skips:
       return nodes.empty() || !octant_skips.empty();
+    case Bvh2Extras::octo:
+      return nodes.empty() || !octo.empty();
   }
   return false;
 }
@@ -102,6 +104,8 @@ Bvh2View Bvh2::view() const {
   Bvh2View view{nodes.data(), leaves.data(), root, depth};
   view.skips = skips.data(), view.octant_skips = octant_skips.data();
   view.node_count = static_cast<std::uint32_t>(nodes.size());
+  view.octo = octo.data(), view.octo_count = static_cast<std::uint32_t>(octo.size());
+  view.bounds = bounds;
   view.hash.multiplier = hash_multiplier;
   if (displacements.empty()) return view;
   view.hash.displacements = displacements.data(), view.hash.slots = slots.data();

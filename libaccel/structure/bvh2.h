@@ -18,6 +18,7 @@
 
 #include "libaccel/structure/arrays.h"
 #include "libaccel/structure/node_hash.h"
+#include "libaccel/structure/octo_node.h"
 #include "libaccel/structure/triangle_leaf.h"
 
 namespace accel {
@@ -76,6 +77,9 @@ struct Bvh2View {
   const std::uint32_t* skips = nullptr;         // by node
   const std::uint32_t* octant_skips = nullptr;  // by octant of the ray's direction, then by node
   std::uint32_t node_count = 0;
+  const OctoNode* octo = nullptr;
+  std::uint32_t octo_count = 0;
+  Aabb bounds;
 };
 
 // The most inner nodes on a path from the root that traversers with a stack accept: one postponed child per level. Builders
@@ -83,7 +87,7 @@ struct Bvh2View {
 inline constexpr int kBvh2StackSize = 128;
 
 // What may be annotated: see registry/annotate.h.
-enum class Bvh2Extras : std::uint8_t { parents, uncles, hash, full_hash, skips, octant_skips };
+enum class Bvh2Extras : std::uint8_t { parents, uncles, hash, full_hash, skips, octant_skips, octo };
 
 // What of a Bvh2 is no array.
 struct Bvh2Words {
@@ -109,12 +113,15 @@ struct Bvh2 : Bvh2Words {
   Buffer<NodeRef> slots;
   Buffer<std::uint32_t> skips;  // empty, or as in the view
   Buffer<std::uint32_t> octant_skips;
+  Buffer<OctoNode> octo;  // empty, or the tree with eight children a node
 
   static constexpr Bvh2Extras kExtras[] = {Bvh2Extras::parents,   Bvh2Extras::uncles, Bvh2Extras::hash,
-                                           Bvh2Extras::full_hash, Bvh2Extras::skips,  Bvh2Extras::octant_skips};
+                                           Bvh2Extras::full_hash, Bvh2Extras::skips,  Bvh2Extras::octant_skips,
+                                           Bvh2Extras::octo};
   static constexpr const char* extras_name(Bvh2Extras extras) {
-    constexpr const char* kNames[] = {"parents and siblings", "uncles",        "hashed keys",
-                                      "all keys hashed",      "skip pointers", "skip pointers per octant"};
+    constexpr const char* kNames[] = {
+        "parents and siblings",     "uncles",    "hashed keys", "all keys hashed", "skip pointers",
+        "skip pointers per octant", "octo nodes"};
     return kNames[static_cast<int>(extras)];
   }
   bool has(Bvh2Extras extras) const;
@@ -126,6 +133,7 @@ struct Bvh2 : Bvh2Words {
     visit("hash.slots", self.slots);
     visit("skips", self.skips);
     visit("octant_skips", self.octant_skips);
+    visit("octo", self.octo);
   }
   std::size_t size_bytes() const { return bytes_of_arrays(*this); }
   bool has_narrow_keys() const { return depth <= kMaxDepth32; }

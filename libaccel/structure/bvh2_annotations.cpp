@@ -108,6 +108,64 @@ Status check_skips(const Bvh2& bvh, const Buffer<std::uint32_t>& skips, std::siz
   return Done{};
 }
 
+bool same_box(const Aabb& a, const Aabb& b) { return a.contains(b) && b.contains(a); }
+
+// An Octo-BVH of unknown origin against its tree: every node and leaf comes once, leaves with their boxes.
+class OctoCheck {
+ public:
+  explicit OctoCheck(const Bvh2& bvh) : bvh_(bvh), leaf_(bvh.leaves.size(), kNone), seen_(bvh.octo.size()) {
+    for (std::uint32_t i = 0; i < bvh.nodes.size(); ++i)
+      for (const std::uint32_t c : {0u, 1u})
+        if (is_leaf(bvh.nodes[i].child[c])) leaf_[leaf_quad(bvh.nodes[i].child[c])] = 2 * i + c, ++leaves_;
+  }
+
+  // Children come after their parents, so there are no cycles.
+  bool run() {
+    seen_[0] = true;
+    for (std::uint32_t i = 0; i < bvh_.octo.size(); ++i) {
+      if (!seen_[i]) return false;  // nobody's child
+      for (std::uint32_t c = 0; c < kOctoArity; ++c)
+        if (!check_child(i, c)) return false;
+    }
+    return leaves_ == 0;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  bool check_child(std::uint32_t i, std::uint32_t c) {
+    const OctoNode& node = bvh_.octo[i];
+    const NodeRef child = node.child[c];
+    const Aabb box = node.bounds(c);
+    const bool is_none = child == kNoNode;
+    if ((node.child_mask >> c & 1u) != (is_none ? 0u : 1u) || (node.leaf_mask >> c & 1u) != (is_leaf(child) ? 1u : 0u))
+      return false;
+    if (is_none) return true;
+    if (box.empty()) return false;
+    if (is_leaf(child)) return check_leaf(leaf_quad(child), box);
+    if (child <= i || child >= bvh_.octo.size() || seen_[child]) return false;
+    return seen_[child] = true;
+  }
+
+  bool check_leaf(std::uint32_t quad, const Aabb& box) {
+    if (quad >= leaf_.size() || leaf_[quad] == kNone) return false;
+    const std::uint32_t at = leaf_[quad];
+    leaf_[quad] = kNone, --leaves_;
+    return same_box(bvh_.nodes[at / 2].bounds(static_cast<int>(at % 2)), box);
+  }
+
+  const Bvh2& bvh_;
+  std::vector<std::uint32_t> leaf_;  // by quad: whose child it is, until it has been met
+  std::vector<bool> seen_;           // of the nodes
+  std::uint64_t leaves_ = 0;
+};
+
+Status check_octo(const Bvh2& bvh) {
+  if (bvh.octo.empty()) return Done{};
+  if (bvh.nodes.empty() || bvh.octo.size() >= kMaxOctoNodes) return Error{"there are octo nodes where none can be"};
+  return OctoCheck(bvh).run() ? Status(Done{}) : Status(Error{"the octo nodes are not those of the tree"});
+}
+
 }  // namespace
 
 Status check_annotations(const Bvh2& bvh) {
@@ -115,7 +173,8 @@ Status check_annotations(const Bvh2& bvh) {
   if (Status status = check_links(bvh); !status) return status;
   if (Status status = check_hash(bvh); !status) return status;
   if (Status status = check_skips(bvh, bvh.skips, 1); !status) return status;
-  return check_skips(bvh, bvh.octant_skips, kOctants);
+  if (Status status = check_skips(bvh, bvh.octant_skips, kOctants); !status) return status;
+  return check_octo(bvh);
 }
 
 }  // namespace accel

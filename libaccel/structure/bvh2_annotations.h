@@ -5,7 +5,7 @@
 
 namespace accel {
 
-// Proves that links, hash tables and skip pointers are those that the tree implies, whatever their bytes are. The tree itself,
+// Proves that links, hash tables, skip pointers and octo nodes are those that the tree implies, whatever their bytes are. The tree itself,
 // root, nodes and leaves, must have been proved. O(nodes + quads).
 Status check_annotations(const Bvh2& bvh);
 

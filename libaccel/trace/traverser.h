@@ -177,4 +177,8 @@ ACCEL_HD void finish_hit(Hit& hit) {
   if (!hit.valid()) hit = Hit{};
 }
 
+// The answer of a batch to a ray: its hit, or 1 where an any-hit query has met something, else 0.
+ACCEL_HD void store_answer(const Hit& hit, Hit& answer) { answer = hit; }
+ACCEL_HD void store_answer(const Hit& hit, std::uint8_t& answer) { answer = hit.valid() ? 1 : 0; }
+
 }  // namespace accel

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -45,7 +48,9 @@ TEST(Bvh2Extras, OfAllKindsAreValid) {
   for (const validation::TreeShape shape : validation::kTreeShapes)
     for (const Bvh2Extras extras : Bvh2::kExtras)
       EXPECT_EQ(complaint(tree_with({extras}, shape)), "") << Bvh2::extras_name(extras);
-  EXPECT_EQ(complaint(tree_with({Bvh2Extras::uncles, Bvh2Extras::full_hash, Bvh2Extras::skips, Bvh2Extras::octant_skips})), "");
+  EXPECT_EQ(complaint(tree_with(
+                {Bvh2Extras::uncles, Bvh2Extras::full_hash, Bvh2Extras::skips, Bvh2Extras::octant_skips, Bvh2Extras::octo})),
+            "");
 }
 
 // There is room for one kind of links; those who share the arrays keep what they have.
@@ -156,6 +161,63 @@ TEST(ValidateBvh2Extras, SkipPointers) {
   for (std::size_t i = 0; i < good.octant_skips.size(); i += 13)
     EXPECT_NE(damaged([&](Bvh2& t) { t.octant_skips[i] ^= 2; }), "");
   EXPECT_NE(damaged([](Bvh2& t) { t.octant_skips.truncate(t.octant_skips.size() / 2); }), "");
+}
+
+TEST(Bvh2Extras, OctoNodesAreFullAndOrderedInSpace) {
+  const Bvh2 tree = tree_with({Bvh2Extras::octo}, validation::TreeShape::balanced);
+  ASSERT_GT(tree.octo.size(), 4u);
+  EXPECT_EQ(std::popcount(tree.octo[0].child_mask), 8);
+  EXPECT_LT(tree.octo.size(), tree.nodes.size() / 2);
+  // Of two children whose places differ in one axis only, the one in the lower place has the lower centre, mostly.
+  int right = 0, wrong = 0;
+  for (const OctoNode& node : tree.octo)
+    for (std::uint32_t c = 0; c < kOctoArity; ++c)
+      for (int a = 0; a < 3; ++a) {
+        const std::uint32_t other = c | 1u << a;
+        if (other == c || node.child[c] == kNoNode || node.child[other] == kNoNode) continue;
+        const bool ascends = node.lower[a][c] + node.upper[a][c] <= node.lower[a][other] + node.upper[a][other];
+        ++(ascends ? right : wrong);
+      }
+  EXPECT_GT(right, 4 * wrong);
+}
+
+TEST(Bvh2Extras, OctoNodesDoNotDependOnTheNumberOfThreads) {
+  const auto mesh = validation::mesh_of(validation::random_triangles(40000, 0.01f, 2));
+  const Bvh2 tree = validation::random_bvh2(mesh, 3, {.shape = validation::TreeShape::balanced});
+  const auto octo_of = [&](int threads) {
+    return tbb::task_arena(threads).execute([&] {
+      Bvh2 copy = tree;
+      EXPECT_TRUE(add_octo(copy));
+      return copy.octo;
+    });
+  };
+  const Buffer<OctoNode> one = octo_of(1), three = octo_of(3);
+  ASSERT_EQ(one.size(), three.size());
+  EXPECT_EQ(std::memcmp(one.data(), three.data(), one.size_bytes()), 0);
+}
+
+TEST(ValidateBvh2Extras, OctoNodes) {
+  const Bvh2 good = tree_with({Bvh2Extras::octo});
+  ASSERT_GT(good.octo.size(), 3u);
+  const auto damaged = [&](const std::function<void(Bvh2&)>& damage) {
+    Bvh2 tree = good;
+    tree.octo = own(tree.octo);
+    damage(tree);
+    return complaint(tree);
+  };
+  for (std::size_t i = 0; i < good.octo.size(); ++i)
+    for (std::uint32_t c = 0; c < kOctoArity; ++c) {
+      EXPECT_NE(damaged([&](Bvh2& t) { t.octo[i].child[c] ^= 1; }), "");
+      EXPECT_NE(damaged([&](Bvh2& t) { t.octo[i].child[c] = 0; }), "") << "a cycle";
+      EXPECT_NE(damaged([&](Bvh2& t) { t.octo[i].leaf_mask ^= 1u << c; }), "");
+      EXPECT_NE(damaged([&](Bvh2& t) { t.octo[i].child_mask ^= 1u << c; }), "");
+      if (good.octo[i].child[c] == kNoNode) continue;
+      EXPECT_NE(damaged([&](Bvh2& t) { t.octo[i].lower[1][c] = std::numeric_limits<float>::quiet_NaN(); }), "");
+      if (is_leaf(good.octo[i].child[c])) {
+        EXPECT_NE(damaged([&](Bvh2& t) { t.octo[i].upper[2][c] -= 0.25f * (1 + std::abs(t.octo[i].upper[2][c])); }), "");
+      }
+    }
+  EXPECT_NE(damaged([](Bvh2& t) { t.octo.truncate(t.octo.size() - 1); }), "");
 }
 
 }  // namespace

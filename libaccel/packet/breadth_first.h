@@ -1,0 +1,170 @@
+// Breadth-first traversal of an Octo-BVH by frustums: Garanzha and Loop 2010 [GL10], section 3.3, Fig. 9.
+//
+// The queue holds pairs of a frustum and a node that it meets, frustum by frustum. In each pass every pair is replaced by pairs
+// with the children that the frustum meets, from front to back; leaves stay as they are. Counts are scanned to allocate the
+// next queue, so it has the size that it needs and nothing is ever dropped. What is left are the leaves that each frustum
+// meets, approximately from front to back.
+//
+// The number of passes is the depth of the tree, or less where no frustum goes deeper. Memory is that of two queues.
+//
+// An addition. A frustum that is too wide to be worth it meets more than its budget of nodes and leaves; it leaves the queue
+// and is reported, so that its rays are traced in another way.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <utility>
+
+#include "libaccel/packet/frustum.h"
+#include "libaccel/structure/bvh2.h"
+
+namespace accel {
+
+// Of arrays that grow and never shrink.
+template <class Primitives, class T>
+T* with_room(typename Primitives::template Array<T>& array, std::size_t n) {
+  if (array.size() < n) array = typename Primitives::template Array<T>(n + n / 2);
+  return array.data();
+}
+
+template <class Primitives>
+struct FrustumQueue {
+  template <class T>
+  using Array = typename Primitives::template Array<T>;
+
+  Array<std::uint32_t> frustum;
+  Array<std::uint32_t> place;  // a node by index, or with kLeafBit a leaf, by its place among all children: 8 node + child
+  std::size_t count = 0;
+
+  void reserve(std::size_t n) {
+    with_room<Primitives, std::uint32_t>(frustum, n), with_room<Primitives, std::uint32_t>(place, n);
+  }
+};
+
+// Tells which children of its node each pair of the queue meets: bit c of masks[i] for child c. Not of leaves.
+struct ScalarCulling {
+  template <class Primitives>
+  static void cull(const OctoNode* nodes, const Frustum* frustums, const FrustumQueue<Primitives>& queue, std::uint8_t* masks) {
+    const std::uint32_t *const frustum = queue.frustum.data(), *const place = queue.place.data();
+    Primitives::for_each(queue.count, [=](std::size_t i) {
+      if (is_leaf(place[i])) return;
+      const OctoNode& node = nodes[place[i]];
+      std::uint32_t mask = 0;
+      for (std::uint32_t c = 0; c < kOctoArity; ++c) mask |= (frustums[frustum[i]].meets(node.bounds(c)) ? 1u : 0u) << c;
+      masks[i] = static_cast<std::uint8_t>(mask & node.child_mask);
+    });
+  }
+};
+
+template <class Primitives, class Culling = ScalarCulling>
+class BreadthFirst {
+ public:
+  using Queue = FrustumQueue<Primitives>;
+
+  // The leaves that the frustums meet, all of one frustum one after the other, in the order of frustums. Valid until the next
+  // call. view.octo_count > 0. Frustum f may have at most budgets[f] > 0 pairs in the queue; gave_up[f] says whether it had
+  // more.
+  const Queue& run(const Bvh2View& view, const Frustum* frustums, std::size_t count, const std::uint32_t* budgets,
+                   std::uint8_t* gave_up) {
+    in_.reserve(count), in_.count = count;
+    std::uint32_t *const frustum = in_.frustum.data(), *const place = in_.place.data();
+    Primitives::for_each(count, [=](std::size_t i) {
+      frustum[i] = static_cast<std::uint32_t>(i), place[i] = 0;
+      gave_up[i] = 0;
+    });
+    with_room<Primitives, std::uint32_t>(first_, count);
+    while (pass(view.octo, frustums, budgets, gave_up) > 0) {
+    }
+    return in_;
+  }
+
+ private:
+  template <class T>
+  using Array = typename Primitives::template Array<T>;
+
+  // What a pair is replaced by: pairs, and how many of them are of nodes.
+  struct Counts {
+    std::uint32_t pairs, nodes;
+
+    ACCEL_HD Counts& operator+=(const Counts& other) { return pairs += other.pairs, nodes += other.nodes, *this; }
+  };
+
+  // Returns how many pairs of nodes there are now.
+  std::size_t pass(const OctoNode* nodes, const Frustum* frustums, const std::uint32_t* budgets, std::uint8_t* gave_up) {
+    const std::size_t n = in_.count;
+    std::uint8_t* const masks = with_room<Primitives, std::uint8_t>(masks_, n);
+    Counts *const counts = with_room<Primitives, Counts>(counts_, n), *const offsets =
+                                                                          with_room<Primitives, Counts>(offsets_, n);
+    Culling::cull(nodes, frustums, in_, masks);
+
+    const std::uint32_t *const frustum = in_.frustum.data(), *const place = in_.place.data();
+    Primitives::for_each(n, [=](std::size_t i) {
+      if (is_leaf(place[i])) {
+        counts[i] = {1, 0};
+        return;
+      }
+      const std::uint32_t met = masks[i], inner = met & ~nodes[place[i]].leaf_mask;
+      counts[i] = {static_cast<std::uint32_t>(std::popcount(met)), static_cast<std::uint32_t>(std::popcount(inner))};
+    });
+    Counts total = Primitives::exclusive_scan(counts, n, offsets);
+    if (give_up(offsets, total.pairs, budgets, gave_up)) {
+      Primitives::for_each(n, [=](std::size_t i) {
+        if (gave_up[frustum[i]] != 0) counts[i] = {0, 0};
+      });
+      total = Primitives::exclusive_scan(counts, n, offsets);
+    }
+
+    out_.reserve(total.pairs), out_.count = total.pairs;
+    std::uint32_t *const to_frustum = out_.frustum.data(), *const to_place = out_.place.data();
+    Primitives::for_each(n, [=](std::size_t i) {
+      if (counts[i].pairs == 0) return;
+      std::uint32_t at = offsets[i].pairs;
+      if (is_leaf(place[i])) {
+        to_frustum[at] = frustum[i], to_place[at] = place[i];
+        return;
+      }
+      // `mask` by rank instead of by child: rank r is child r ^ signs.
+      const std::uint32_t signs = frustums[frustum[i]].signs;
+      for (std::uint32_t mask = xor_indices(masks[i], signs); mask != 0; mask &= mask - 1) {
+        const std::uint32_t c = static_cast<std::uint32_t>(std::countr_zero(mask)) ^ signs;
+        const NodeRef child = nodes[place[i]].child[c];
+        to_frustum[at] = frustum[i];
+        to_place[at++] = is_leaf(child) ? kLeafBit | (place[i] * kOctoArity + c) : child;
+      }
+    });
+    std::swap(in_, out_);
+    return total.nodes;
+  }
+
+  // Marks the frustums whose part of the next queue is larger than their budgets. Returns how many there are.
+  std::uint32_t give_up(const Counts* offsets, std::uint32_t total, const std::uint32_t* budgets, std::uint8_t* gave_up) {
+    const std::size_t n = in_.count;
+    const std::uint32_t* const frustum = in_.frustum.data();
+    std::uint32_t *const first = first_.data(), *const marks = with_room<Primitives, std::uint32_t>(marks_, n);
+    Primitives::for_each(n, [=](std::size_t i) {
+      if (i == 0 || frustum[i - 1] != frustum[i]) first[frustum[i]] = offsets[i].pairs;
+    });
+    Primitives::for_each(n, [=](std::size_t i) {
+      const bool is_last = i + 1 == n || frustum[i + 1] != frustum[i];
+      const std::uint32_t end = i + 1 == n ? total : offsets[i + 1].pairs;
+      marks[i] = is_last && end - first[frustum[i]] > budgets[frustum[i]] ? 1 : 0;
+      if (marks[i] != 0) gave_up[frustum[i]] = 1;
+    });
+    return Primitives::exclusive_scan(marks, n, marks);
+  }
+
+  // Bit i of the result is bit i ^ signs of an 8-bit mask.
+  ACCEL_HD static std::uint32_t xor_indices(std::uint32_t mask, std::uint32_t signs) {
+    if ((signs & 1u) != 0) mask = (mask & 0x55u) << 1 | (mask >> 1 & 0x55u);
+    if ((signs & 2u) != 0) mask = (mask & 0x33u) << 2 | (mask >> 2 & 0x33u);
+    if ((signs & 4u) != 0) mask = (mask & 0x0fu) << 4 | (mask >> 4 & 0x0fu);
+    return mask;
+  }
+
+  Queue in_, out_;
+  Array<std::uint8_t> masks_;
+  Array<Counts> counts_, offsets_;
+  Array<std::uint32_t> first_, marks_;  // first_: by frustum, where its part of the next queue begins
+};
+
+}  // namespace accel

@@ -1,0 +1,66 @@
+// Rays, trees and packets for the tests of packet/.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "libaccel/build/bvh2_octo.h"
+#include "libaccel/build/sbvh.h"
+#include "libaccel/core/counter_rng.h"
+#include "libaccel/packet/frustum.h"
+#include "libaccel/structure/bvh2.h"
+#include "validation/stress/stress_rays.h"
+#include "validation/stress/stress_scenes.h"
+
+namespace accel::test {
+
+inline Bvh2 octo_tree(const TriangleMesh& mesh) {
+  auto built = Sbvh::build(mesh, {});
+  EXPECT_TRUE(built) << built.message();
+  EXPECT_TRUE(add_octo(built->structure));
+  return std::move(built->structure);
+}
+
+// Packets of rays of one face each: bundles from a small box through another one, and rays that hurt, sorted by face.
+inline std::vector<std::vector<Ray>> packets_for(const TriangleMesh& mesh, const Aabb& bounds, std::uint64_t seed) {
+  std::vector<std::vector<Ray>> packets;
+  CounterRng rng(seed, 0);
+  const auto within = [&](const Aabb& box) {
+    const Vec3 e = box.extent();
+    return Vec3{box.lo.x + e.x * rng.next_float(), box.lo.y + e.y * rng.next_float(), box.lo.z + e.z * rng.next_float()};
+  };
+  const auto part_of = [&](float size) {
+    const Vec3 lo = within(bounds), e = bounds.extent() * size;
+    return Aabb{lo, lo + e};
+  };
+  std::vector<Ray> rays;
+  for (const float size : {0.0f, 0.01f, 0.1f, 0.7f})
+    for (int bundle = 0; bundle < 4; ++bundle) {
+      const Aabb from = part_of(size), to = part_of(size);
+      for (int i = 0; i < 90; ++i) {
+        Ray ray{.org = within(from)};
+        ray.dir = within(to) - ray.org;
+        ray.t_min = bundle == 1 ? 0.1f : 0, ray.t_max = bundle == 2 ? 0.8f : std::numeric_limits<float>::infinity();
+        rays.push_back(ray);
+      }
+    }
+  const auto hostile = validation::stress_rays(mesh, 300, seed);
+  rays.insert(rays.end(), hostile.begin(), hostile.end());
+  for (std::size_t first = 0; first < rays.size(); first += 90) {
+    std::vector<std::vector<Ray>> by_face(kNoFace);
+    for (std::size_t i = first; i < std::min(first + 90, rays.size()); ++i)
+      if (face_of(rays[i]) != kNoFace) by_face[face_of(rays[i])].push_back(rays[i]);
+    for (auto& packet : by_face)
+      if (!packet.empty()) packets.push_back(std::move(packet));
+  }
+  return packets;
+}
+
+inline Frustum frustum_of(const std::vector<Ray>& packet, const Aabb& bounds) {
+  return make_frustum(
+      face_of(packet.front()), static_cast<std::uint32_t>(packet.size()), [&](std::uint32_t i) { return packet[i]; }, bounds);
+}
+
+}  // namespace accel::test
