@@ -62,7 +62,7 @@ class BreadthFirst {
   using Queue = FrustumQueue<Primitives>;
 
   // The leaves that the frustums meet, all of one frustum one after the other, in the order of frustums. Valid until the next
-  // call. view.octo_count > 0. Frustum f may have at most budgets[f] > 0 pairs in the queue; gave_up[f] says whether it had
+  // call. view.octo_count > 0. Frustum f may have at most budgets[f] pairs in the queue; gave_up[f] says whether it had
   // more.
   const Queue& run(const Bvh2View& view, const Frustum* frustums, std::size_t count, const std::uint32_t* budgets,
                    std::uint8_t* gave_up) {

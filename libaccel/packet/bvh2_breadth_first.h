@@ -53,7 +53,7 @@ class PacketTracer {
       : view_(view), options_(options), trace_singly_(trace_singly) {
     options_.max_size = std::clamp(options.max_size, 1u, kMaxPacketSize);
     options_.block_size = std::max(options.block_size, 1u);
-    hash_ = RayHash<std::uint64_t>::make(view.bounds, options.cell_fraction);
+    hash_ = Hash::make(view.bounds, options.cell_fraction);
     const Vec3 e = view.bounds.extent();
     widest_ = options.max_width * max_of(max_of(e.x, e.y), e.z);
   }
@@ -69,6 +69,7 @@ class PacketTracer {
 
  private:
   using Primitives = SerialPrimitives;
+  using Hash = RayHash<std::uint64_t, kFineDirectionBits>;
   static constexpr std::uint32_t kFaces = kNoFace + 1;
 
   void trace_block() {
@@ -115,8 +116,8 @@ class PacketTracer {
   void sort_by_hash() {
     Buffer<std::uint64_t> values(rays_.size());
     for (std::size_t i = 0; i < rays_.size(); ++i) values[i] = hash_(rays_[i]);
-    const auto order = csd_sort<Primitives>(values.data(), values.size());
-    std::copy(order.ids.begin(), order.ids.end(), ids_.begin());
+    std::iota(ids_.begin(), ids_.end(), 0u);
+    Primitives::sort_pairs(values.data(), ids_.data(), values.size());
     sort_by_face();
   }
 
@@ -140,7 +141,7 @@ class PacketTracer {
     std::size_t thin = 0;
     for (const Frustum& frustum : frustums_) {
       const auto [least, most] = frustum.widths();
-      thin += most <= widest_ && most > options_.max_ratio * least ? 1 : 0;
+      thin += least <= widest_ && most > options_.max_ratio * least ? 1 : 0;
     }
     return 2 * thin > frustums_.size();
   }
@@ -187,7 +188,7 @@ class PacketTracer {
   Bvh2View view_;
   PacketOptions options_;
   TraceSingly trace_singly_;
-  RayHash<std::uint64_t> hash_;
+  Hash hash_;
   float widest_;  // of a frustum
 
   // Of the block.

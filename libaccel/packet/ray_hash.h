@@ -9,6 +9,8 @@
 //
 //   bits:   32 bits: 8 bits of the cell for each axis (modulo 256), 3 of the face, 2 + 2 within the face
 //           64 bits: 16 bits of the cell for each axis, 3 of the face, 6 + 6 within the face
+//           64 bits, fine directions: 12 bits of the cell for each axis, 3 of the face, 12 + 12 within the face: rays of one
+//           origin come along a Z-curve, as [GL10] sorts primary rays
 //
 // Values are defined for all rays, NaN included.
 #pragma once
@@ -22,10 +24,12 @@
 
 namespace accel {
 
-template <class Key>
+inline constexpr int kFineDirectionBits = 12;
+
+template <class Key, int kBitsOfDirection = sizeof(Key) == 8 ? 6 : 2>
 struct RayHash {
-  static constexpr int kOriginBits = sizeof(Key) == 8 ? 16 : 8;    // an axis
-  static constexpr int kDirectionBits = sizeof(Key) == 8 ? 6 : 2;  // an axis of a face
+  static constexpr int kDirectionBits = kBitsOfDirection;                               // an axis of a face
+  static constexpr int kOriginBits = (8 * sizeof(Key) - 3 - 2 * kBitsOfDirection) / 3;  // an axis
 
   Vec3 lo;                    // of the grid
   float cells = 0;            // per unit of length

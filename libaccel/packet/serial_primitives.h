@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <type_traits>
@@ -54,10 +55,24 @@ struct SerialPrimitives {
   template <class Key>
   static void sort_pairs(Key* keys, std::uint32_t* values, std::size_t n) {
     static_assert(std::is_unsigned_v<Key>);
-    std::vector<std::pair<Key, std::uint32_t>> pairs(n);
-    for (std::size_t i = 0; i < n; ++i) pairs[i] = {keys[i], values[i]};
-    std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (std::size_t i = 0; i < n; ++i) keys[i] = pairs[i].first, values[i] = pairs[i].second;
+    std::vector<Key> other_keys(n);
+    std::vector<std::uint32_t> other_values(n);
+    Key *from = keys, *to = other_keys.data();
+    std::uint32_t *from_values = values, *to_values = other_values.data();
+    for (std::size_t shift = 0; shift < 8 * sizeof(Key); shift += 8) {
+      const auto digit = [=](Key key) { return static_cast<std::size_t>(key >> shift & 0xff); };
+      std::array<std::uint32_t, 256> next{};
+      for (std::size_t i = 0; i < n; ++i) ++next[digit(from[i])];
+      if (n == 0 || next[digit(from[0])] == n) continue;  // one digit only
+      std::exclusive_scan(next.begin(), next.end(), next.begin(), 0u);
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::uint32_t at = next[digit(from[i])]++;
+        to[at] = from[i], to_values[at] = from_values[i];
+      }
+      std::swap(from, to), std::swap(from_values, to_values);
+    }
+    if (from == keys) return;
+    std::copy_n(from, n, keys), std::copy_n(from_values, n, values);
   }
 };
 

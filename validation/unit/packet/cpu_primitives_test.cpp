@@ -11,6 +11,7 @@
 
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/core/threads.h"
+#include "libaccel/packet/serial_primitives.h"
 
 namespace accel {
 namespace {
@@ -100,6 +101,11 @@ void expect_stable_sort(std::vector<Key> keys) {
   CpuPrimitives::sort_pairs(sorted.data(), values.data(), keys.size());
   EXPECT_EQ(values, expected);
   EXPECT_TRUE(std::is_sorted(sorted.begin(), sorted.end()));
+
+  std::iota(values.begin(), values.end(), 0u);
+  SerialPrimitives::sort_pairs(keys.data(), values.data(), keys.size());
+  EXPECT_EQ(values, expected);
+  EXPECT_EQ(keys, sorted);
 }
 
 // The masks leave out digits, at both ends and in between, so that the number of passes is even or odd.
