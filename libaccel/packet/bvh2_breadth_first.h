@@ -5,9 +5,9 @@
 // an Octo-BVH together (packet/breadth_first.h), and rays are tested against the leaves that their frustum meets
 // (packet/localized.h). The batch is taken in blocks, which bounds the memory and keeps it in the caches.
 //
-// Order. Within a block, rays of one face come one after the other. If the packets are then scattered, or long and thin, as
-// those of a picture's rows are, the block is sorted by hash values (packet/ray_hash.h, packet/csd_sort.h) first: [GL10] sorts
-// always. Rays whose frustum meets too much, and those that make no frustum, are traced one by one.
+// Order. Within a block, rays of one face come one after the other. Where that makes narrower frustums, as for a picture's
+// rows, blocks are sorted by hash values (packet/ray_hash.h) first, which is tried now and then: [GL10] sorts always. Rays
+// whose frustum meets too much, and those that make no frustum, are traced one by one.
 //
 // Hits are those of single rays. In the registry the method is a traverser that is the stack version in all that concerns
 // single rays: what counts their steps, models warps or streams, or runs on devices sees that one.
@@ -37,7 +37,6 @@ struct PacketOptions {
   std::uint32_t block_size = 32768;  // rays
   float cell_fraction = 0.004f;      // of the hash; [GL10] section 5.1
   float max_width = 0.25f;           // of a frustum, as a share of the scene's longest side
-  float max_ratio = 6;               // of the sides of a frustum, before the block is sorted
   std::uint32_t budget = 2;          // pairs in the queue per ray of a frustum
 };
 
@@ -71,6 +70,8 @@ class PacketTracer {
   using Primitives = SerialPrimitives;
   using Hash = RayHash<std::uint64_t, kFineDirectionBits>;
   static constexpr std::uint32_t kFaces = kNoFace + 1;
+  static constexpr std::uint32_t kBlocksPerTrial = 8;
+  static constexpr double kWorthSorting = 0.6;  // of the width
 
   void trace_block() {
     std::fill(answers_.begin(), answers_.end(), Answer{});
@@ -78,12 +79,7 @@ class PacketTracer {
     std::iota(ids_.begin(), ids_.end(), 0u);
     if (view_.octo_count == 0) return trace_singly(0, ids_.size());
     find_faces();
-    sort_by_face();
-    make_packets();
-    if (is_thin()) {
-      sort_by_hash();
-      make_packets();
-    }
+    order_rays();
     gave_up_.resize(frustums_.size());
     const auto& leaves = traversal_.run(view_, frustums_.data(), frustums_.size(), budgets_.data(), gave_up_.data());
     intersect(leaves);
@@ -113,6 +109,38 @@ class PacketTracer {
     }
   }
 
+  // Makes packets of the rays as they come or of sorted ones, whichever are narrower: both are tried now and then.
+  void order_rays() {
+    const bool tries = blocks_++ % kBlocksPerTrial == 0;
+    double width_as_they_come = 0;
+    if (tries || !sorts_) {
+      sort_by_face();
+      make_packets();
+      width_as_they_come = total_width();
+    }
+    if (!tries && !sorts_) return;
+    sort_by_hash();
+    make_packets();
+    if (!tries) return;
+    sorts_ = total_width() < kWorthSorting * width_as_they_come;
+    if (sorts_) return;
+    std::iota(ids_.begin(), ids_.end(), 0u);
+    sort_by_face();
+    make_packets();
+  }
+
+  // Of all rays' frustums; those without one count as if they had the widest that is of use.
+  double total_width() const {
+    double sum = 0;
+    std::size_t alone = rays_.size();
+    for (std::size_t f = 0; f < frustums_.size(); ++f) {
+      const std::uint32_t size = ranges_.base[packets_[f] + 1] - ranges_.base[packets_[f]];
+      sum += static_cast<double>(size) * min_of(frustums_[f].widths().most, widest_);
+      alone -= size;
+    }
+    return sum + static_cast<double>(alone) * widest_;
+  }
+
   void sort_by_hash() {
     Buffer<std::uint64_t> values(rays_.size());
     for (std::size_t i = 0; i < rays_.size(); ++i) values[i] = hash_(rays_[i]);
@@ -134,16 +162,6 @@ class PacketTracer {
     // Frustums that are too wide to begin with.
     for (std::size_t f = 0; f < frustums_.size(); ++f)
       if (!(frustums_[f].widths().most <= widest_)) budgets_[f] = 0;
-  }
-
-  // Whether most packets are long and thin. Those that are scattered would hardly be less so within the block.
-  bool is_thin() const {
-    std::size_t thin = 0;
-    for (const Frustum& frustum : frustums_) {
-      const auto [least, most] = frustum.widths();
-      thin += least <= widest_ && most > options_.max_ratio * least ? 1 : 0;
-    }
-    return 2 * thin > frustums_.size();
   }
 
   LocalizedBatch batch_of(const std::vector<std::uint32_t>& packets) const {
@@ -189,7 +207,9 @@ class PacketTracer {
   PacketOptions options_;
   TraceSingly trace_singly_;
   Hash hash_;
-  float widest_;  // of a frustum
+  float widest_;              // of a frustum
+  std::uint32_t blocks_ = 0;  // so far
+  bool sorts_ = false;
 
   // Of the block.
   std::span<const Ray> rays_;

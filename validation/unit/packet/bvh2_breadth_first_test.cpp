@@ -42,8 +42,8 @@ TEST(Bvh2BreadthFirst, HitsAreThoseOfSingleRaysWhateverThePackets) {
                                {.max_size = 1, .min_size = 1},
                                {.max_size = 512, .block_size = 1000},
                                {.max_size = 33, .min_size = 1, .block_size = 7777},
-                               {.cell_fraction = 0.1f, .max_ratio = 0},
-                               {.max_width = 1e9f, .max_ratio = 1e9f, .budget = 1000000},
+                               {.block_size = 300, .cell_fraction = 0.1f},
+                               {.max_width = 1e9f, .budget = 1000000},
                                {.budget = 0}};
   std::size_t valid = 0;
   for (const auto& [name, mesh] : validation::stress_scenes()) {
