@@ -135,7 +135,7 @@ class PacketTracer {
     std::size_t alone = rays_.size();
     for (std::size_t f = 0; f < frustums_.size(); ++f) {
       const std::uint32_t size = ranges_.base[packets_[f] + 1] - ranges_.base[packets_[f]];
-      sum += static_cast<double>(size) * min_of(frustums_[f].widths().most, widest_);
+      sum += static_cast<double>(size) * min_of(frustums_[f].width(), widest_);
       alone -= size;
     }
     return sum + static_cast<double>(alone) * widest_;
@@ -161,7 +161,7 @@ class PacketTracer {
     make_frustums_simd(batch_of(packets_), faces_.data(), view_.bounds, frustums_.data());
     // Frustums that are too wide to begin with.
     for (std::size_t f = 0; f < frustums_.size(); ++f)
-      if (!(frustums_[f].widths().most <= widest_)) budgets_[f] = 0;
+      if (!(frustums_[f].width() <= widest_)) budgets_[f] = 0;
   }
 
   LocalizedBatch batch_of(const std::vector<std::uint32_t>& packets) const {

@@ -95,17 +95,14 @@ struct Frustum {
     for (int s = 0; s < 2; ++s) side[s] = side_between(first[s], last[s], length, !(length > slack), slack);
   }
 
-  // Of the larger of its rectangles along its narrower and its wider side.
-  struct Widths {
-    float least, most;
-  };
-  ACCEL_HD Widths widths() const {
-    float width[2];
-    for (int s = 0; s < 2; ++s) {
-      const float first = side[s].upper - side[s].lower;
-      width[s] = max_of(first, first + (side[s].upper_slope - side[s].lower_slope) * (end - begin));
+  // The longest side of its rectangles.
+  ACCEL_HD float width() const {
+    float widest = 0;
+    for (const Side& at : side) {
+      const float first = at.upper - at.lower;
+      widest = max_of(widest, max_of(first, first + (at.upper_slope - at.lower_slope) * (end - begin)));
     }
-    return {min_of(width[0], width[1]), max_of(width[0], width[1])};
+    return widest;
   }
 };
 

@@ -162,7 +162,8 @@ class OctoCheck {
 
 Status check_octo(const Bvh2& bvh) {
   if (bvh.octo.empty()) return Done{};
-  if (bvh.nodes.empty() || bvh.octo.size() >= kMaxOctoNodes) return Error{"there are octo nodes where none can be"};
+  if (bvh.nodes.empty() || bvh.nodes.size() >= kMaxOctoNodes || bvh.octo.size() > bvh.nodes.size())
+    return Error{"there are octo nodes where none can be"};
   return OctoCheck(bvh).run() ? Status(Done{}) : Status(Error{"the octo nodes are not those of the tree"});
 }
 
