@@ -1,7 +1,7 @@
 // Function qualifiers that differ between host and device compilers, and the library's assertion.
 //
 // This header and the SIMD files (core/float4_simd.h, geometry/watertight_simd.h, trace/box_pair.h,
-// packet/culling_simd.cpp, packet/localized_simd.cpp) are the only places with `#if`.
+// packet/*_simd*) are the only places with `#if`.
 #pragma once
 
 #include <cassert>

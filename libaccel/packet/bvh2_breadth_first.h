@@ -23,6 +23,7 @@
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/packet/breadth_first.h"
 #include "libaccel/packet/culling_simd.h"
+#include "libaccel/packet/frustums_simd.h"
 #include "libaccel/packet/localized_simd.h"
 #include "libaccel/packet/packet_ranges.h"
 #include "libaccel/packet/ray_hash.h"

@@ -4,49 +4,20 @@
 // Above all other headers.
 #include <hwy/highway.h>
 
-#include <algorithm>
-#include <cstring>
+#include <bit>
 
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/packet/localized_simd.h"
+#include "libaccel/packet/packet_simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace accel {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-// At most 16 rays a group: what any machine has, and what fits the bits of a group.
-const hn::CappedTag<float, 16> kFloats;
-const hn::RebindToUnsigned<decltype(kFloats)> kWords;
 const hn::Half<decltype(kFloats)> kHalfFloats;
 const hn::Rebind<double, decltype(kHalfFloats)> kDoubles;
-using Floats = decltype(hn::Zero(kFloats));
-using Words = decltype(hn::Zero(kWords));
 using Doubles = decltype(hn::Zero(kDoubles));
-using Mask = decltype(hn::Eq(hn::Zero(kFloats), hn::Zero(kFloats)));
-
-HWY_INLINE Floats set(float x) { return hn::Set(kFloats, x); }
-HWY_INLINE Floats load(const float* from) { return hn::Load(kFloats, from); }
-// min_of(), max_of(): the second where one is NaN.
-HWY_INLINE Floats least(Floats a, Floats b) { return hn::IfThenElse(hn::Lt(a, b), a, b); }
-HWY_INLINE Floats most(Floats a, Floats b) { return hn::IfThenElse(hn::Gt(a, b), a, b); }
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-// The rays of a packet and what they have hit. Lanes without a ray, and rays that have their answer, have t = -infinity and
-// enter nothing.
-struct alignas(64) Packet {
-  float org[3][kMaxPacketSize], dir[3][kMaxPacketSize], inv[3][kMaxPacketSize];
-  float shear_x[kMaxPacketSize], shear_y[kMaxPacketSize];
-  float t_min[kMaxPacketSize];
-  float t[kMaxPacketSize], u[kMaxPacketSize], v[kMaxPacketSize];
-  std::uint32_t prim_id[kMaxPacketSize];
-  const Ray* rays[kMaxPacketSize];
-
-  std::uint32_t size, lanes;  // of rays, and with those that fill the last group
-  int kx, ky, kz;             // as in Watertight::RayData
-};
 
 // The frustum of each group of a packet, between the planes of the packet's frustum. `begin` and `end` shrink as rays of the
 // group hit something.
@@ -54,74 +25,6 @@ struct alignas(64) GroupFrustums {
   float begin[kMaxPacketSize], end[kMaxPacketSize];
   float lower[2][kMaxPacketSize], lower_slope[2][kMaxPacketSize], upper[2][kMaxPacketSize], upper_slope[2][kMaxPacketSize];
 };
-
-template <class Vector>
-HWY_INLINE float least_lane(Vector v) {
-  return hn::GetLane(hn::MinOfLanes(kFloats, v));
-}
-template <class Vector>
-HWY_INLINE float most_lane(Vector v) {
-  return hn::GetLane(hn::MaxOfLanes(kFloats, v));
-}
-
-HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32_t size, Packet& p) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
-  p.size = size, p.lanes = (size + width - 1) / width * width;
-  for (std::uint32_t i = 0; i < p.lanes; ++i) {
-    const Ray& ray = rays[ids[i < size ? i : size - 1]];
-    p.org[0][i] = ray.org.x, p.org[1][i] = ray.org.y, p.org[2][i] = ray.org.z;
-    p.dir[0][i] = ray.dir.x, p.dir[1][i] = ray.dir.y, p.dir[2][i] = ray.dir.z;
-    p.t_min[i] = ray.t_min, p.t[i] = ray.t_max, p.rays[i] = &ray;
-  }
-  for (std::uint32_t i = 0; i < p.lanes; i += width) {
-    hn::Store(most(load(p.t_min + i), set(0)), kFloats, p.t_min + i);
-    hn::Store(least(load(p.t + i), set(std::numeric_limits<float>::max())), kFloats, p.t + i);
-  }
-  for (std::uint32_t i = size; i < p.lanes; ++i) p.t_min[i] = kInfinity, p.t[i] = -kInfinity;
-}
-
-// Where a side coordinate of the rays from lane i on is at a plane of the dominant axis.
-HWY_INLINE Floats at_plane(const Packet& p, std::uint32_t i, int axis, int side_axis, float plane) {
-  const Floats slope = hn::Div(load(p.dir[side_axis] + i), load(p.dir[axis] + i));
-  return hn::Add(load(p.org[side_axis] + i), hn::Mul(slope, hn::Sub(set(plane), load(p.org[axis] + i))));
-}
-
-// What make_frustum() (packet/frustum.h) finds.
-HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& bounds) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
-  Frustum frustum{.face = face};
-  const int axis = frustum.axis();
-  Floats nearest = set(kInfinity), farthest = set(-kInfinity), origins = hn::Zero(kFloats);
-  std::size_t negative[3] = {};
-  for (std::uint32_t i = 0; i < p.lanes; i += width) {
-    const Floats org = load(p.org[axis] + i), dir = load(p.dir[axis] + i);
-    const Floats first = hn::Add(org, hn::Mul(dir, load(p.t_min + i))), last = hn::Add(org, hn::Mul(dir, load(p.t + i)));
-    // Lanes without a ray are beyond all others.
-    const auto is_ray = hn::Lt(load(p.t_min + i), set(kInfinity));
-    nearest = hn::IfThenElse(is_ray, least(least(first, last), nearest), nearest);
-    farthest = hn::IfThenElse(is_ray, most(most(first, last), farthest), farthest);
-    for (int a = 0; a < 3; ++a) {
-      origins = most(hn::Abs(load(p.org[a] + i)), origins);
-      negative[a] += hn::CountTrue(kFloats, hn::And(is_ray, hn::Lt(load(p.dir[a] + i), hn::Zero(kFloats))));
-    }
-  }
-  for (int a = 0; a < 3; ++a) frustum.signs |= (2 * negative[a] > p.size ? 1u : 0u) << a;
-  const float begin = max_of(least_lane(nearest), bounds.lo[axis]), end = min_of(most_lane(farthest), bounds.hi[axis]);
-
-  detail::Range first[2], last[2];
-  for (int s = 0; s < 2; ++s) {
-    const int a = frustum.side_axis(s);
-    Floats least_first = set(kInfinity), most_first = set(-kInfinity), least_last = least_first, most_last = most_first;
-    for (std::uint32_t i = 0; i < p.lanes; i += width) {
-      const Floats x0 = at_plane(p, i, axis, a, begin), x1 = at_plane(p, i, axis, a, end);
-      least_first = least(x0, least_first), most_first = most(x0, most_first);
-      least_last = least(x1, least_last), most_last = most(x1, most_last);
-    }
-    first[s] = {least_lane(least_first), most_lane(most_first)}, last[s] = {least_lane(least_last), most_lane(most_last)};
-  }
-  frustum.set_sides(begin, end, first, last, most_lane(origins));
-  return frustum;
-}
 
 HWY_INLINE void begin_packet(const Frustum& frustum, Packet& p, GroupFrustums& groups) {
   const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
@@ -398,15 +301,6 @@ HWY_INLINE void intersect_packets(const LocalizedBatch& batch, const Finish& fin
   }
 }
 
-void make(const LocalizedBatch& batch, const std::uint8_t* faces, const Aabb& bounds, Frustum* frustums) {
-  Packet packet;
-  for (std::size_t i = 0; i < batch.count; ++i) {
-    const std::uint32_t first = batch.packets[batch.active[i]], end = batch.packets[batch.active[i] + 1];
-    load_rays(batch.rays, batch.ids + first, end - first, packet);
-    frustums[i] = frustum_of(packet, faces[first], bounds);
-  }
-}
-
 void intersect(const LocalizedBatch& batch, Hit* hits) {
   intersect_packets<Query::closest>(batch, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
     hits[ray] = p.prim_id[r] == kNoHit ? Hit{} : Hit{p.t[r], p.u[r], p.v[r], p.prim_id[r]};
@@ -429,15 +323,11 @@ HWY_AFTER_NAMESPACE();
 namespace accel {
 HWY_EXPORT(intersect);
 HWY_EXPORT(occlude);
-HWY_EXPORT(make);
 HWY_EXPORT(target_name);
 
 void intersect_watertight_simd(const LocalizedBatch& batch, Hit* hits) { HWY_DYNAMIC_DISPATCH(intersect)(batch, hits); }
 void occlude_watertight_simd(const LocalizedBatch& batch, std::uint8_t* occluded) {
   HWY_DYNAMIC_DISPATCH(occlude)(batch, occluded);
-}
-void make_frustums_simd(const LocalizedBatch& batch, const std::uint8_t* faces, const Aabb& bounds, Frustum* frustums) {
-  HWY_DYNAMIC_DISPATCH(make)(batch, faces, bounds, frustums);
 }
 const char* packet_simd_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
 }  // namespace accel

@@ -7,9 +7,6 @@
 
 namespace accel {
 
-// frustums[i] of active packet i; faces[k] is the face of ray ids[k].
-void make_frustums_simd(const LocalizedBatch& batch, const std::uint8_t* faces, const Aabb& bounds, Frustum* frustums);
-
 // hits[i] answers rays[i] for all rays of active packets; nothing else is written.
 void intersect_watertight_simd(const LocalizedBatch& batch, Hit* hits);
 void occlude_watertight_simd(const LocalizedBatch& batch, std::uint8_t* occluded);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "libaccel/geometry/watertight.h"
+#include "libaccel/packet/frustums_simd.h"
 #include "validation/unit/packet/packets_of_rays.h"
 
 namespace accel {
