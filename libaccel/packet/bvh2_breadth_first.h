@@ -5,9 +5,12 @@
 // an Octo-BVH together (packet/breadth_first.h), and rays are tested against the leaves that their frustum meets
 // (packet/localized.h). The batch is taken in blocks, which bounds the memory and keeps it in the caches.
 //
-// Order. Within a block, rays of one face come one after the other. Where that makes narrower frustums, as for a picture's
-// rows, blocks are sorted by hash values (packet/ray_hash.h) first, which is tried now and then: [GL10] sorts always. Rays
-// whose frustum meets too much, and those that make no frustum, are traced one by one.
+// Order. [GL10] sorts all rays. Here that is done where it makes narrower frustums, as for a picture's rows, and by runs of
+// rays where that is enough (packet/block_order.h), which is tried now and then.
+//
+// What packets are no good for. Rays whose frustum is too wide or meets too much are cut into packets of a quarter of the size,
+// and at last traced singly, like rays that make no frustum. Where the packets of a block were mostly of no use, the next
+// blocks are traced singly until the next trial.
 //
 // Hits are those of single rays. In the registry the method is a traverser that is the stack version in all that concerns
 // single rays: what counts their steps, models warps or streams, or runs on devices sees that one.
@@ -15,18 +18,19 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <limits>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "libaccel/geometry/watertight.h"
+#include "libaccel/packet/block_order.h"
 #include "libaccel/packet/breadth_first.h"
 #include "libaccel/packet/culling_simd.h"
 #include "libaccel/packet/frustums_simd.h"
 #include "libaccel/packet/localized_simd.h"
 #include "libaccel/packet/packet_ranges.h"
-#include "libaccel/packet/ray_hash.h"
 #include "libaccel/packet/serial_primitives.h"
 #include "libaccel/trace/bvh2_stack.h"
 
@@ -35,6 +39,7 @@ namespace accel {
 struct PacketOptions {
   std::uint32_t max_size = 256;      // rays a packet, 1 to kMaxPacketSize; [GL10] section 5.1
   std::uint32_t min_size = 8;        // smaller packets are traced ray by ray
+  std::uint32_t min_split = 16;      // packets are not cut into smaller ones
   std::uint32_t block_size = 32768;  // rays
   float cell_fraction = 0.004f;      // of the hash; [GL10] section 5.1
   float max_width = 0.25f;           // of a frustum, as a share of the scene's longest side
@@ -50,10 +55,9 @@ class PacketTracer {
 
   // The view has octo nodes, unless the scene has but one leaf.
   PacketTracer(const Bvh2View& view, const PacketOptions& options, TraceSingly trace_singly)
-      : view_(view), options_(options), trace_singly_(trace_singly) {
+      : view_(view), options_(options), trace_singly_(trace_singly), order_(view.bounds, options.cell_fraction) {
     options_.max_size = std::clamp(options.max_size, 1u, kMaxPacketSize);
     options_.block_size = std::max(options.block_size, 1u);
-    hash_ = Hash::make(view.bounds, options.cell_fraction);
     const Vec3 e = view.bounds.extent();
     widest_ = options.max_width * max_of(max_of(e.x, e.y), e.z);
   }
@@ -69,65 +73,60 @@ class PacketTracer {
 
  private:
   using Primitives = SerialPrimitives;
-  using Hash = RayHash<std::uint64_t, kFineDirectionBits>;
-  static constexpr std::uint32_t kFaces = kNoFace + 1;
-  static constexpr std::uint32_t kBlocksPerTrial = 8;
-  static constexpr double kWorthSorting = 0.6;  // of the width
+
+  // What BlockOrder sorts by, and a factor on the widths of frustums for what that costs.
+  struct Order {
+    std::uint32_t run;
+    double cost;
+  };
+  static constexpr std::array<Order, 3> kOrders = {{{0, 1}, {8, 1.1}, {1, 1.7}}};
+  static constexpr std::uint32_t kBlocksPerTrial = 8, kMostBlocksPerTrial = 64;
+  static constexpr std::uint32_t kSplit = 4;
 
   void trace_block() {
+    const bool is_trial = blocks_++ == next_trial_;
+    if (view_.octo_count == 0 || (is_scattered_ && !is_trial)) {
+      for (std::size_t i = 0; i < rays_.size(); ++i) trace_singly(i);
+      return;
+    }
     std::fill(answers_.begin(), answers_.end(), Answer{});
-    ids_.resize(rays_.size()), faces_.resize(rays_.size());
-    std::iota(ids_.begin(), ids_.end(), 0u);
-    if (view_.octo_count == 0) return trace_singly(0, ids_.size());
-    find_faces();
-    order_rays();
-    gave_up_.resize(frustums_.size());
-    const auto& leaves = traversal_.run(view_, frustums_.data(), frustums_.size(), budgets_.data(), gave_up_.data());
-    intersect(leaves);
-    trace_the_rest();
+    order_.begin(rays_);
+    if (is_trial)
+      try_orders();
+    else
+      sort_and_cut(run_);
+    trace_packets();
+    if (is_trial) is_scattered_ = 4 * order_.ids().size() > 3 * rays_.size();
+    for (const std::uint32_t id : order_.ids()) trace_singly(id);
   }
 
-  // The rays ids_[first] to ids_[end - 1].
-  void trace_singly(std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) store_answer(trace_singly_(rays_[ids_[i]]), answers_[ids_[i]]);
-  }
+  void trace_singly(std::size_t id) { store_answer(trace_singly_(rays_[id]), answers_[id]); }
 
-  void find_faces() {
-    faces_by_ray_.resize(rays_.size());
-    faces_count_.fill(0);
-    for (std::size_t i = 0; i < rays_.size(); ++i)
-      ++faces_count_[faces_by_ray_[i] = static_cast<std::uint8_t>(face_of(rays_[i]))];
-  }
-
-  // Keeps the order of ids_ among rays of one face.
-  void sort_by_face() {
-    std::array<std::uint32_t, kFaces> next = faces_count_;
-    std::exclusive_scan(next.begin(), next.end(), next.begin(), 0u);
-    unsorted_ = ids_;
-    for (const std::uint32_t id : unsorted_) {
-      const std::uint32_t at = next[faces_by_ray_[id]]++;
-      ids_[at] = id, faces_[at] = faces_by_ray_[id];
+  // What is left in the order afterwards has no answer.
+  void trace_packets() {
+    for (std::uint32_t size = options_.max_size;;) {
+      const std::size_t before = order_.ids().size();
+      gave_up_.resize(frustums_.size());
+      intersect(traversal_.run(view_, frustums_.data(), frustums_.size(), budgets_.data(), gave_up_.data()));
+      keep_unanswered();
+      size /= kSplit;
+      if (order_.ids().empty() || 2 * order_.ids().size() > before || size < options_.min_split) return;
+      cut(size);
     }
   }
 
-  // Makes packets of the rays as they come or of sorted ones, whichever are narrower: both are tried now and then.
-  void order_rays() {
-    const bool tries = blocks_++ % kBlocksPerTrial == 0;
-    double width_as_they_come = 0;
-    if (tries || !sorts_) {
-      sort_by_face();
-      make_packets();
-      width_as_they_come = total_width();
+  // Sorts the block in the way that makes the narrowest frustums, and remembers it.
+  void try_orders() {
+    const std::uint32_t before = run_;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Order& order : kOrders) {
+      sort_and_cut(order.run);
+      const double cost = total_width() * order.cost;
+      if (cost < least) least = cost, run_ = order.run;
     }
-    if (!tries && !sorts_) return;
-    sort_by_hash();
-    make_packets();
-    if (!tries) return;
-    sorts_ = total_width() < kWorthSorting * width_as_they_come;
-    if (sorts_) return;
-    std::iota(ids_.begin(), ids_.end(), 0u);
-    sort_by_face();
-    make_packets();
+    if (run_ != kOrders.back().run) sort_and_cut(run_);
+    trial_distance_ = run_ == before ? std::min(2 * trial_distance_, kMostBlocksPerTrial) : kBlocksPerTrial;
+    next_trial_ += trial_distance_;
   }
 
   // Of all rays' frustums; those without one count as if they had the widest that is of use.
@@ -142,24 +141,23 @@ class PacketTracer {
     return sum + static_cast<double>(alone) * widest_;
   }
 
-  void sort_by_hash() {
-    Buffer<std::uint64_t> values(rays_.size());
-    for (std::size_t i = 0; i < rays_.size(); ++i) values[i] = hash_(rays_[i]);
-    std::iota(ids_.begin(), ids_.end(), 0u);
-    Primitives::sort_pairs(values.data(), ids_.data(), values.size());
-    sort_by_face();
+  void sort_and_cut(std::uint32_t run) {
+    order_.sort(run);
+    cut(options_.max_size);
   }
 
-  void make_packets() {
-    ranges_ = packet_ranges<Primitives>(faces_.data(), rays_.size(), options_.max_size);
+  // Cuts what is in the order into packets, and makes their frustums.
+  void cut(std::uint32_t max_size) {
+    const std::uint8_t* const faces = order_.faces().data();
+    ranges_ = packet_ranges<Primitives>(faces, order_.faces().size(), max_size);
     packets_.clear(), budgets_.clear();
     for (std::uint32_t p = 0; p < ranges_.count; ++p) {
       const std::uint32_t first = ranges_.base[p], size = ranges_.base[p + 1] - first;
-      if (faces_[first] == kNoFace || size < options_.min_size) continue;
+      if (faces[first] == kNoFace || size < options_.min_size) continue;
       packets_.push_back(p), budgets_.push_back(options_.budget * size);
     }
     frustums_.resize(packets_.size());
-    make_frustums_simd(batch_of(packets_), faces_.data(), view_.bounds, frustums_.data());
+    make_frustums_simd(batch_of(packets_), faces, view_.bounds, frustums_.data());
     // Frustums that are too wide to begin with.
     for (std::size_t f = 0; f < frustums_.size(); ++f)
       if (!(frustums_[f].width() <= widest_)) budgets_[f] = 0;
@@ -169,7 +167,7 @@ class PacketTracer {
     return {.nodes = view_.octo,
             .leaves = view_.leaves,
             .rays = rays_.data(),
-            .ids = ids_.data(),
+            .ids = order_.ids().data(),
             .packets = ranges_.base.data(),
             .active = packets.data(),
             .count = packets.size()};
@@ -194,30 +192,33 @@ class PacketTracer {
       occlude_watertight_simd(batch, answers_.data());
   }
 
-  // Rays without a frustum, and those whose frustum met too much.
-  void trace_the_rest() {
+  // Keeps rays without a frustum, and those whose frustum met too much.
+  void keep_unanswered() {
+    unanswered_.clear();
     std::size_t next = 0;
     for (std::uint32_t p = 0; p < ranges_.count; ++p) {
       const bool has_frustum = next < packets_.size() && packets_[next] == p;
-      if (!has_frustum || gave_up_[next] != 0) trace_singly(ranges_.base[p], ranges_.base[p + 1]);
+      if (!has_frustum || gave_up_[next] != 0) unanswered_.emplace_back(ranges_.base[p], ranges_.base[p + 1]);
       next += has_frustum ? 1 : 0;
     }
+    order_.keep(unanswered_);
   }
 
   Bvh2View view_;
   PacketOptions options_;
   TraceSingly trace_singly_;
-  Hash hash_;
-  float widest_;              // of a frustum
+  float widest_;  // of a frustum
+
+  // How the next blocks are taken.
+  std::uint32_t run_ = 0;
+  bool is_scattered_ = false;
   std::uint32_t blocks_ = 0;  // so far
-  bool sorts_ = false;
+  std::uint32_t next_trial_ = 0, trial_distance_ = kBlocksPerTrial;
 
   // Of the block.
   std::span<const Ray> rays_;
   std::span<Answer> answers_;
-  std::vector<std::uint32_t> ids_, unsorted_;       // the order of rays
-  std::vector<std::uint8_t> faces_, faces_by_ray_;  // faces_: in that order
-  std::array<std::uint32_t, kFaces> faces_count_;   // rays of each face
+  BlockOrder order_;
   PacketRanges<Primitives> ranges_;
   std::vector<std::uint32_t> packets_, budgets_;  // of the frustums
   std::vector<Frustum> frustums_;
@@ -225,6 +226,7 @@ class PacketTracer {
   BreadthFirst<Primitives, SimdCulling> traversal_;
   std::vector<std::uint32_t> active_, firsts_;  // see LocalizedBatch
   std::vector<Frustum> active_frustums_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> unanswered_;  // places in the order
 };
 
 // The method. Executors on CPUs trace batches by PacketTracer, see exec/cpu.h.

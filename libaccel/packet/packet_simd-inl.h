@@ -42,7 +42,7 @@ struct alignas(64) Packet {
   float t_min[kMaxPacketSize];
   float t[kMaxPacketSize], u[kMaxPacketSize], v[kMaxPacketSize];
   std::uint32_t prim_id[kMaxPacketSize];
-  const Ray* rays[kMaxPacketSize];
+  Ray rays[kMaxPacketSize];
 
   std::uint32_t size, lanes;  // of rays, and with those that fill the last group
   int kx, ky, kz;             // as in Watertight::RayData
@@ -57,18 +57,41 @@ HWY_INLINE float most_lane(Vector v) {
   return hn::GetLane(hn::MaxOfLanes(kFloats, v));
 }
 
+// A vector of rays.
+struct RayLanes {
+  Floats org[3], t_min, dir[3], t_max;
+};
+
+// Of as many rays as a vector has lanes, one after the other in memory.
+HWY_INLINE RayLanes load_lanes(const Ray* rays) {
+  const float *const first = &rays->org.x, *const second = first + 4 * hn::Lanes(kFloats);
+  RayLanes r;
+#if HWY_TARGET == HWY_SCALAR
+  for (int a = 0; a < 3; ++a) r.org[a] = load(first + a), r.dir[a] = load(second + a);
+  r.t_min = load(first + 3), r.t_max = load(second + 3);
+#else
+  // Origins are even lanes then, and directions odd ones.
+  Floats x0, x1, y0, y1, z0, z1, t0, t1;
+  hn::LoadInterleaved4(kFloats, first, x0, y0, z0, t0);
+  hn::LoadInterleaved4(kFloats, second, x1, y1, z1, t1);
+  r.org[0] = hn::ConcatEven(kFloats, x1, x0), r.dir[0] = hn::ConcatOdd(kFloats, x1, x0);
+  r.org[1] = hn::ConcatEven(kFloats, y1, y0), r.dir[1] = hn::ConcatOdd(kFloats, y1, y0);
+  r.org[2] = hn::ConcatEven(kFloats, z1, z0), r.dir[2] = hn::ConcatOdd(kFloats, z1, z0);
+  r.t_min = hn::ConcatEven(kFloats, t1, t0), r.t_max = hn::ConcatOdd(kFloats, t1, t0);
+#endif
+  return r;
+}
+
 HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32_t size, Packet& p) {
   const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
   p.size = size, p.lanes = (size + width - 1) / width * width;
-  for (std::uint32_t i = 0; i < p.lanes; ++i) {
-    const Ray& ray = rays[ids[i < size ? i : size - 1]];
-    p.org[0][i] = ray.org.x, p.org[1][i] = ray.org.y, p.org[2][i] = ray.org.z;
-    p.dir[0][i] = ray.dir.x, p.dir[1][i] = ray.dir.y, p.dir[2][i] = ray.dir.z;
-    p.t_min[i] = ray.t_min, p.t[i] = ray.t_max, p.rays[i] = &ray;
-  }
+  for (std::uint32_t i = 0; i < size; ++i) p.rays[i] = rays[ids[i]];
+  for (std::uint32_t i = size; i < p.lanes; ++i) p.rays[i] = p.rays[size - 1];
   for (std::uint32_t i = 0; i < p.lanes; i += width) {
-    hn::Store(most(load(p.t_min + i), set(0)), kFloats, p.t_min + i);
-    hn::Store(least(load(p.t + i), set(std::numeric_limits<float>::max())), kFloats, p.t + i);
+    const RayLanes r = load_lanes(p.rays + i);
+    for (int a = 0; a < 3; ++a) hn::Store(r.org[a], kFloats, p.org[a] + i), hn::Store(r.dir[a], kFloats, p.dir[a] + i);
+    hn::Store(most(r.t_min, set(0)), kFloats, p.t_min + i);
+    hn::Store(least(r.t_max, set(std::numeric_limits<float>::max())), kFloats, p.t + i);
   }
   for (std::uint32_t i = size; i < p.lanes; ++i) p.t_min[i] = kInfinity, p.t[i] = -kInfinity;
 }

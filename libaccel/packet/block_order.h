@@ -1,0 +1,49 @@
+// The order in which a block of rays is cut into packets: faces (packet/frustum.h) one after the other, and within a face the
+// rays as they come, or sorted by hash values (packet/ray_hash.h). Garanzha and Loop 2010 [GL10], section 3.1.
+//
+// [GL10] sorts runs of rays with equal hash values as one. Here a run has a given number of rays, whatever their values, and is
+// sorted by the value of the ray in its middle: a picture's rows are cut into short pieces, and pieces below each other make a
+// packet, for a fraction of what it costs to hash and to sort rays. Runs of one ray are a complete sort.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "libaccel/core/aabb.h"
+#include "libaccel/core/ray.h"
+#include "libaccel/packet/frustum.h"
+#include "libaccel/packet/ray_hash.h"
+
+namespace accel {
+
+class BlockOrder {
+ public:
+  BlockOrder(const Aabb& bounds, float cell_fraction) : hash_(Hash::make(bounds, cell_fraction)) {}
+
+  // Fewer than 2^32 rays, which are read by later calls too.
+  void begin(std::span<const Ray> rays);
+  // By runs of so many rays, or as they come for 0.
+  void sort(std::uint32_t run);
+  // Drops all rays but those at the places [first, end) of the pairs, which ascend.
+  void keep(std::span<const std::pair<std::uint32_t, std::uint32_t>> places);
+
+  // ids()[i] is the ray that comes i-th, faces()[i] its face.
+  std::span<const std::uint32_t> ids() const { return ids_; }
+  std::span<const std::uint8_t> faces() const { return faces_; }
+
+ private:
+  using Hash = RayHash<std::uint64_t, kFineDirectionBits>;
+
+  void sort_runs(std::uint32_t run);
+  void sort_by_face();
+
+  Hash hash_;
+  std::span<const Ray> rays_;
+  std::vector<std::uint8_t> faces_by_ray_, faces_;
+  std::vector<std::uint64_t> values_;  // of runs
+  std::vector<std::uint32_t> runs_, ids_, ids_before_;
+};
+
+}  // namespace accel
