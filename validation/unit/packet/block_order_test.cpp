@@ -1,0 +1,92 @@
+#include "libaccel/packet/block_order.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "libaccel/core/counter_rng.h"
+#include "validation/stress/stress_rays.h"
+
+namespace accel {
+namespace {
+
+const Aabb kBounds{{-1, -1, -1}, {1, 1, 1}};
+constexpr float kCellFraction = 0.05f;
+
+// In all directions, with rays that cannot be traced among them.
+std::vector<Ray> rays_of(std::size_t count) {
+  CounterRng rng(11, 0);
+  const auto coordinate = [&] { return 2 * rng.next_float() - 1; };
+  std::vector<Ray> rays(count);
+  for (Ray& ray : rays)
+    ray.org = {coordinate(), coordinate(), coordinate()}, ray.dir = {coordinate(), coordinate(), coordinate()};
+  const auto invalid = validation::invalid_rays();
+  for (std::size_t i = 0; i < std::min(invalid.size(), count / 3); ++i) rays[3 * i] = invalid[i];
+  return rays;
+}
+
+// Every ray is there once, and faces ascend.
+void expect_block_of(const std::vector<Ray>& rays, const BlockOrder& order) {
+  ASSERT_EQ(order.ids().size(), rays.size());
+  ASSERT_EQ(order.faces().size(), rays.size());
+  EXPECT_TRUE(std::ranges::is_sorted(order.faces()));
+  for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(order.faces()[i], face_of(rays[order.ids()[i]]));
+  std::vector<std::uint32_t> ids(order.ids().begin(), order.ids().end()), all(rays.size());
+  std::ranges::sort(ids);
+  std::iota(all.begin(), all.end(), 0u);
+  EXPECT_EQ(ids, all);
+}
+
+// Whether rays of one face come in the order of `is_before`.
+template <class Before>
+void expect_sorted(const BlockOrder& order, const Before& is_before) {
+  for (std::size_t i = 1; i < order.ids().size(); ++i) {
+    if (order.faces()[i] == order.faces()[i - 1]) {
+      EXPECT_TRUE(is_before(order.ids()[i - 1], order.ids()[i])) << i;
+    }
+  }
+}
+
+TEST(BlockOrder, FacesThenRunsByTheHashValueOfTheirMiddle) {
+  const auto hash = RayHash<std::uint64_t, kFineDirectionBits>::make(kBounds, kCellFraction);
+  BlockOrder order(kBounds, kCellFraction);
+  for (const std::size_t count : {0, 1, 7, 8, 9, 1000, 1003}) {
+    const std::vector<Ray> rays = rays_of(count);
+    order.begin(rays);
+    order.sort(0);
+    expect_block_of(rays, order);
+    expect_sorted(order, [](std::uint32_t a, std::uint32_t b) { return a < b; });
+    for (const std::uint32_t run : {1u, 8u, 13u}) {
+      order.sort(run);
+      expect_block_of(rays, order);
+      const auto key = [&](std::uint32_t id) {
+        const std::size_t middle = std::min<std::size_t>(id / run * run + run / 2, count - 1);
+        return std::pair(hash(rays[middle]), id);  // of runs with equal values, and within a run, the first one first
+      };
+      expect_sorted(order, [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    }
+  }
+}
+
+TEST(BlockOrder, KeepsWhatIsAskedFor) {
+  const std::vector<Ray> rays = rays_of(100);
+  BlockOrder order(kBounds, kCellFraction);
+  order.begin(rays);
+  order.sort(8);
+  const std::vector<std::uint32_t> ids(order.ids().begin(), order.ids().end());
+  const std::vector<std::uint8_t> faces(order.faces().begin(), order.faces().end());
+  const std::pair<std::uint32_t, std::uint32_t> places[] = {{0, 2}, {2, 2}, {50, 51}, {98, 100}};
+  order.keep(places);
+  EXPECT_THAT(order.ids(), testing::ElementsAre(ids[0], ids[1], ids[50], ids[98], ids[99]));
+  EXPECT_THAT(order.faces(), testing::ElementsAre(faces[0], faces[1], faces[50], faces[98], faces[99]));
+  order.keep({});
+  EXPECT_TRUE(order.ids().empty());
+  order.sort(0);
+  expect_block_of(rays, order);
+}
+
+}  // namespace
+}  // namespace accel
