@@ -50,7 +50,7 @@ build_programs() {
   cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CUDA_COMPILER="$nvcc" \
     -DCMAKE_CUDA_ARCHITECTURES=native -DCMAKE_CUDA_FLAGS="-Xptxas=-v" \
     -DACCEL_WITH_CUDA=ON -DACCEL_WITH_EMBREE=OFF -DACCEL_WITH_OIIO=OFF || return 1
-  ninja -C "$build" unit.exec.cuda_test gpu_trace
+  ninja -C "$build" unit.exec.cuda_test unit.exec.cuda_primitives_test gpu_trace
 }
 
 # Small enough for the sanitizer, which is some hundred times slower: every method and policy on a few thousand rays.
@@ -65,6 +65,7 @@ check_memory() {
   for tool in memcheck racecheck synccheck; do
     echo "compute-sanitizer --tool $tool"
     "$sanitizer" --tool "$tool" --error-exitcode 1 "$cuda_test" --gtest_filter='*HitsAreTheCpus*:Cuda.Small*' || return 1
+    "$sanitizer" --tool "$tool" --error-exitcode 1 "$primitives_test" --gtest_filter='-*TooMuchMemory*' || return 1
   done
 }
 
@@ -76,12 +77,20 @@ else
 fi
 
 cuda_test=$build/validation/unit.exec.cuda_test
+primitives_test=$build/validation/unit.exec.cuda_primitives_test
 gpu_trace=$build/bench/gpu_trace
 if $do_build; then
   echo "building in $build (log: $out/build.log)"
   build_programs > "$out/build.log" 2>&1 || { tail -n 30 "$out/build.log" >&2 && fail 1 "the build failed"; }
 fi
-[[ -x $cuda_test && -x $gpu_trace ]] || fail 1 "$build has no gpu_trace or no unit.exec.cuda_test: leave out --no-build"
+for program in "$cuda_test" "$primitives_test" "$gpu_trace"; do
+  [[ -x $program ]] || fail 1 "there is no $program: leave out --no-build"
+done
+
+echo "comparing the primitives with their serial twins"
+"$primitives_test" > "$out/cuda_primitives_test.log" 2>&1 ||
+  { tail -n 30 "$out/cuda_primitives_test.log" >&2 && fail 3 "device and CPU differ"; }
+tail -n 3 "$out/cuda_primitives_test.log"
 
 echo "comparing hits with the CPU's"
 "$cuda_test" > "$out/cuda_test.log" 2>&1 || { tail -n 30 "$out/cuda_test.log" >&2 && fail 3 "device and CPU differ"; }

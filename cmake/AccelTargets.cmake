@@ -56,16 +56,30 @@ function(accel_library name)
   accel_precompile(accel_${name} libraries ${accel_common_headers})
 endfunction()
 
+# What CUDA sources are compiled with, beside the above. No contraction, on either side: the predicates need every rounding
+# (libaccel/geometry/watertight.h). Pipelines are written with lambdas for the device (libaccel/exec/cuda/cuda_primitives.cuh). The
+# standard is given as an option since CMake 3.25 does not know CUDA_STANDARD 20.
+function(accel_cuda_settings target)
+  set_target_properties(${target} PROPERTIES CUDA_SEPARABLE_COMPILATION OFF)
+  target_compile_options(${target} PRIVATE
+    "$<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;-fmad=false;--expt-relaxed-constexpr;--extended-lambda;-Xcompiler=-ffp-contract=off,-Wall,-Wno-psabi>")
+  target_link_libraries(${target} PRIVATE CUDA::cudart_static)
+endfunction()
+
 # accel_gtest(<source> LIBS <targets...> [PREFIX <prefix>]): one test program a source file; every TEST becomes a ctest entry.
 function(accel_gtest source)
   cmake_parse_arguments(arg "" "PREFIX" "LIBS;LABELS" ${ARGN})
   file(RELATIVE_PATH relative "${PROJECT_SOURCE_DIR}" "${source}")
-  string(REGEX REPLACE "^validation/|\\.cpp$" "" name "${relative}")
+  string(REGEX REPLACE "^validation/|\\.(cpp|cu)$" "" name "${relative}")
   string(REPLACE "/" "." name "${name}")
   add_executable(${name} "${source}")
   accel_compile_settings(${name})
   target_compile_definitions(${name} PRIVATE ACCEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE ${arg_LIBS} GTest::gtest_main GTest::gmock)
-  accel_precompile(${name} tests <gmock/gmock.h> <gtest/gtest.h> ${accel_common_headers})
+  if(source MATCHES "\\.cu$")
+    accel_cuda_settings(${name})
+  else()
+    accel_precompile(${name} tests <gmock/gmock.h> <gtest/gtest.h> ${accel_common_headers})
+  endif()
   gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS "${arg_LABELS}")
 endfunction()

@@ -17,6 +17,14 @@
 #define ACCEL_HD inline __attribute__((always_inline))
 #endif
 
+// Behind the captures of a lambda that Primitives::for_each may run on a device (exec/cuda/cuda_primitives.cuh). CUDA compilers
+// need leave for it, --extended-lambda, without which such code is for the host only.
+#if defined(__CUDACC_EXTENDED_LAMBDA__)
+#define ACCEL_HD_LAMBDA __host__ __device__
+#else
+#define ACCEL_HD_LAMBDA
+#endif
+
 // A copy of 16 (8) bytes that no one writes while rays are traced: one load through a device's read-only path, however few of
 // the bytes are used; a plain copy on the host.
 template <class T>

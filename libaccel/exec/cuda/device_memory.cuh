@@ -4,6 +4,8 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -22,8 +24,20 @@ inline Error cuda_error(cudaError_t code, const char* call) {
     if (const cudaError_t accel_code = (call); accel_code != cudaSuccess) return ::accel::cuda::cuda_error(accel_code, #call); \
   } while (false)
 
+// Memory that lasts: allocations may wait for the device, and so do releases.
+struct LastingMemory {
+  static cudaError_t allocate(void** data, std::size_t bytes) { return cudaMalloc(data, bytes); }
+  static void release(void* data) { cudaFree(data); }
+};
+
+// Memory for results in between: allocated and released in the order of the work in the default stream, without waiting.
+struct ScratchMemory {
+  static cudaError_t allocate(void** data, std::size_t bytes) { return cudaMallocAsync(data, bytes, nullptr); }
+  static void release(void* data) { cudaFreeAsync(data, nullptr); }
+};
+
 // An array on the device. Elements are not initialised.
-template <class T>
+template <class T, class Memory = LastingMemory>
 class DeviceArray {
  public:
   DeviceArray() = default;
@@ -33,14 +47,15 @@ class DeviceArray {
     return *this;
   }
   ~DeviceArray() {
-    if (data_ != nullptr) cudaFree(data_);
+    if (data_ != nullptr) Memory::release(data_);
   }
 
   static Result<DeviceArray> allocate(std::size_t size) {
     Result<DeviceArray> array = DeviceArray();
     if (size == 0) return array;
-    ACCEL_CUDA_TRY(cudaMalloc(&array->data_, size * sizeof(T)));
-    array->size_ = size;
+    void* data = nullptr;
+    ACCEL_CUDA_TRY(Memory::allocate(&data, size * sizeof(T)));
+    array->data_ = static_cast<T*>(data), array->size_ = size;
     return array;
   }
 
@@ -70,6 +85,37 @@ class DeviceArray {
 
   T* data_ = nullptr;
   std::size_t size_ = 0;
+};
+
+// While it lives, the device keeps scratch memory that is released for the next allocations, instead of giving it back whenever
+// the host waits for the device.
+class ScratchMemoryScope {
+ public:
+  ScratchMemoryScope() = default;
+  ScratchMemoryScope(const ScratchMemoryScope&) = delete;
+  ScratchMemoryScope& operator=(const ScratchMemoryScope&) = delete;
+  ~ScratchMemoryScope() {
+    if (pool_ == nullptr) return;
+    cudaMemPoolSetAttribute(pool_, cudaMemPoolAttrReleaseThreshold, &threshold_before_);
+    cudaStreamSynchronize(nullptr);
+    cudaMemPoolTrimTo(pool_, threshold_before_);
+  }
+
+  Status begin() {
+    int device = 0;
+    cudaMemPool_t pool = nullptr;
+    ACCEL_CUDA_TRY(cudaGetDevice(&device));
+    ACCEL_CUDA_TRY(cudaDeviceGetDefaultMemPool(&pool, device));
+    ACCEL_CUDA_TRY(cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &threshold_before_));
+    std::uint64_t all = std::numeric_limits<std::uint64_t>::max();
+    ACCEL_CUDA_TRY(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all));
+    pool_ = pool;
+    return Done{};
+  }
+
+ private:
+  cudaMemPool_t pool_ = nullptr;
+  std::uint64_t threshold_before_ = 0;
 };
 
 // A point in the device's time.
