@@ -46,7 +46,7 @@ struct ScalarCulling {
   template <class Primitives>
   static void cull(const OctoNode* nodes, const Frustum* frustums, const FrustumQueue<Primitives>& queue, std::uint8_t* masks) {
     const std::uint32_t *const frustum = queue.frustum.data(), *const place = queue.place.data();
-    Primitives::for_each(queue.count, [=](std::size_t i) {
+    Primitives::for_each(queue.count, [=] ACCEL_HD_LAMBDA(std::size_t i) {
       if (is_leaf(place[i])) return;
       const OctoNode& node = nodes[place[i]];
       std::uint32_t mask = 0;
@@ -68,7 +68,7 @@ class BreadthFirst {
                    std::uint8_t* gave_up) {
     in_.reserve(count), in_.count = count;
     std::uint32_t *const frustum = in_.frustum.data(), *const place = in_.place.data();
-    Primitives::for_each(count, [=](std::size_t i) {
+    Primitives::for_each(count, [=] ACCEL_HD_LAMBDA(std::size_t i) {
       frustum[i] = static_cast<std::uint32_t>(i), place[i] = 0;
       gave_up[i] = 0;
     });
@@ -78,7 +78,8 @@ class BreadthFirst {
     return in_;
   }
 
- private:
+  // The steps of run(). CUDA's lambdas need them, and what they work on, to be public.
+
   template <class T>
   using Array = typename Primitives::template Array<T>;
 
@@ -98,7 +99,7 @@ class BreadthFirst {
     Culling::cull(nodes, frustums, in_, masks);
 
     const std::uint32_t *const frustum = in_.frustum.data(), *const place = in_.place.data();
-    Primitives::for_each(n, [=](std::size_t i) {
+    Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) {
       if (is_leaf(place[i])) {
         counts[i] = {1, 0};
         return;
@@ -108,7 +109,7 @@ class BreadthFirst {
     });
     Counts total = Primitives::exclusive_scan(counts, n, offsets);
     if (give_up(offsets, total.pairs, budgets, gave_up)) {
-      Primitives::for_each(n, [=](std::size_t i) {
+      Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) {
         if (gave_up[frustum[i]] != 0) counts[i] = {0, 0};
       });
       total = Primitives::exclusive_scan(counts, n, offsets);
@@ -116,7 +117,7 @@ class BreadthFirst {
 
     out_.reserve(total.pairs), out_.count = total.pairs;
     std::uint32_t *const to_frustum = out_.frustum.data(), *const to_place = out_.place.data();
-    Primitives::for_each(n, [=](std::size_t i) {
+    Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) {
       if (counts[i].pairs == 0) return;
       std::uint32_t at = offsets[i].pairs;
       if (is_leaf(place[i])) {
@@ -141,10 +142,10 @@ class BreadthFirst {
     const std::size_t n = in_.count;
     const std::uint32_t* const frustum = in_.frustum.data();
     std::uint32_t *const first = first_.data(), *const marks = with_room<Primitives, std::uint32_t>(marks_, n);
-    Primitives::for_each(n, [=](std::size_t i) {
+    Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) {
       if (i == 0 || frustum[i - 1] != frustum[i]) first[frustum[i]] = offsets[i].pairs;
     });
-    Primitives::for_each(n, [=](std::size_t i) {
+    Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) {
       const bool is_last = i + 1 == n || frustum[i + 1] != frustum[i];
       const std::uint32_t end = i + 1 == n ? total : offsets[i + 1].pairs;
       marks[i] = is_last && end - first[frustum[i]] > budgets[frustum[i]] ? 1 : 0;
@@ -161,6 +162,7 @@ class BreadthFirst {
     return mask;
   }
 
+ private:
   Queue in_, out_;
   Array<std::uint8_t> masks_;
   Array<Counts> counts_, offsets_;

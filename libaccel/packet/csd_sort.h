@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "libaccel/core/hd.h"
+
 namespace accel {
 
 template <class Primitives>
@@ -33,13 +35,13 @@ Chunks<Primitives, Key> compress(const Key* values, std::size_t n) {
   Chunks<Primitives, Key> chunks;
   typename Primitives::template Array<std::uint8_t> heads(n);
   std::uint8_t* const is_head = heads.data();
-  Primitives::for_each(n, [=](std::size_t i) { is_head[i] = i == 0 || values[i] != values[i - 1]; });
+  Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) { is_head[i] = i == 0 || values[i] != values[i - 1]; });
   chunks.base = typename Primitives::template Array<std::uint32_t>(n);
   chunks.count = Primitives::compact(is_head, n, chunks.base.data());
   chunks.hash = typename Primitives::template Array<Key>(chunks.count);
   Key* const hash = chunks.hash.data();
   const std::uint32_t* const base = chunks.base.data();
-  Primitives::for_each(chunks.count, [=](std::size_t c) { hash[c] = values[base[c]]; });
+  Primitives::for_each(chunks.count, [=] ACCEL_HD_LAMBDA(std::size_t c) { hash[c] = values[base[c]]; });
   return chunks;
 }
 
@@ -51,13 +53,13 @@ typename Primitives::template Array<std::uint32_t> decompress(const std::uint32_
   typename Primitives::template Array<std::uint8_t> heads(n);
   std::uint32_t *const start = starts.data(), *const ids = skeleton.data();
   std::uint8_t* const is_head = heads.data();
-  Primitives::for_each(chunks, [=](std::size_t c) {
+  Primitives::for_each(chunks, [=] ACCEL_HD_LAMBDA(std::size_t c) {
     const std::uint32_t chunk = order[c];
     start[c] = (chunk + 1 < chunks ? base[chunk + 1] : static_cast<std::uint32_t>(n)) - base[chunk];
   });
   Primitives::exclusive_scan(start, chunks, start);
-  Primitives::for_each(n, [=](std::size_t i) { ids[i] = 1, is_head[i] = 0; });
-  Primitives::for_each(chunks, [=](std::size_t c) { ids[start[c]] = base[order[c]], is_head[start[c]] = 1; });
+  Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) { ids[i] = 1, is_head[i] = 0; });
+  Primitives::for_each(chunks, [=] ACCEL_HD_LAMBDA(std::size_t c) { ids[start[c]] = base[order[c]], is_head[start[c]] = 1; });
   Primitives::inclusive_segmented_scan(ids, is_head, n, ids);
   return skeleton;
 }
@@ -70,7 +72,7 @@ CsdOrder<Primitives> csd_sort(const Key* values, std::size_t n) {
   auto chunks = detail::compress<Primitives, Key>(values, n);
   typename Primitives::template Array<std::uint32_t> order(chunks.count);
   std::uint32_t* const chunk = order.data();
-  Primitives::for_each(chunks.count, [=](std::size_t c) { chunk[c] = static_cast<std::uint32_t>(c); });
+  Primitives::for_each(chunks.count, [=] ACCEL_HD_LAMBDA(std::size_t c) { chunk[c] = static_cast<std::uint32_t>(c); });
   Primitives::sort_pairs(chunks.hash.data(), chunk, chunks.count);
   return {detail::decompress<Primitives>(chunks.base.data(), chunk, chunks.count, n), chunks.count};
 }

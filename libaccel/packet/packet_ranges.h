@@ -28,7 +28,7 @@ PacketRanges<Primitives> packet_ranges(const Key* keys, std::size_t n, std::uint
   // Where the packets of each chunk begin among all packets.
   Indices firsts(chunk_count);
   std::uint32_t* const first = firsts.data();
-  Primitives::for_each(chunk_count, [=](std::size_t c) {
+  Primitives::for_each(chunk_count, [=] ACCEL_HD_LAMBDA(std::size_t c) {
     const std::uint32_t end = c + 1 < chunk_count ? base[c + 1] : static_cast<std::uint32_t>(n);
     first[c] = (end - base[c] + max_size - 1) / max_size;
   });
@@ -41,10 +41,11 @@ PacketRanges<Primitives> packet_ranges(const Key* keys, std::size_t n, std::uint
   std::uint32_t* const skeleton = ranges.base.data();
   std::uint8_t* const is_head = heads.data();
   const std::size_t count = ranges.count;
-  Primitives::for_each(count, [=](std::size_t p) { skeleton[p] = max_size, is_head[p] = 0; });
-  Primitives::for_each(chunk_count, [=](std::size_t c) { skeleton[first[c]] = base[c], is_head[first[c]] = 1; });
+  Primitives::for_each(count, [=] ACCEL_HD_LAMBDA(std::size_t p) { skeleton[p] = max_size, is_head[p] = 0; });
+  Primitives::for_each(chunk_count,
+                       [=] ACCEL_HD_LAMBDA(std::size_t c) { skeleton[first[c]] = base[c], is_head[first[c]] = 1; });
   Primitives::inclusive_segmented_scan(skeleton, is_head, count, skeleton);
-  Primitives::for_each(1, [=](std::size_t) { skeleton[count] = static_cast<std::uint32_t>(n); });
+  Primitives::for_each(1, [=] ACCEL_HD_LAMBDA(std::size_t) { skeleton[count] = static_cast<std::uint32_t>(n); });
   return ranges;
 }
 

@@ -29,7 +29,7 @@ struct alignas(64) OctoNode {
   std::uint32_t leaf_mask;                           // bit c: child c is a leaf or none
   std::uint32_t unused[6];                           // zero
 
-  Aabb bounds(std::uint32_t c) const {
+  ACCEL_HD Aabb bounds(std::uint32_t c) const {
     return {{lower[0][c], lower[1][c], lower[2][c]}, {upper[0][c], upper[1][c], upper[2][c]}};
   }
   void set_child(std::uint32_t c, NodeRef ref, const Aabb& box) {
