@@ -20,6 +20,15 @@ struct TypeList {
   template <std::size_t kIndex>
   using At = std::tuple_element_t<kIndex, std::tuple<Ts...>>;
 
+  // The place of T in the list; its size where T is not in it.
+  template <class T>
+  static constexpr std::size_t index_of() {
+    std::size_t index = 0;
+    bool found = false;
+    ((found = found || std::is_same_v<T, Ts>, index += found ? 0 : 1), ...);
+    return index;
+  }
+
   // Calls visit(TypeTag<T>{}) for each type, in order.
   template <class Visitor>
   static constexpr void for_each(Visitor&& visit) {

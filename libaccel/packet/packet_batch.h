@@ -270,6 +270,15 @@ typename PacketBatch<Primitives>::OtherRays PacketBatch<Primitives>::find_other_
   return others;
 }
 
+// 0, 1, 2, ...
+template <class Primitives>
+typename Primitives::template Array<std::uint32_t> first_ids(std::size_t count) {
+  typename Primitives::template Array<std::uint32_t> all(count);
+  std::uint32_t* const ids = all.data();
+  Primitives::for_each(count, [=] ACCEL_HD_LAMBDA(std::size_t i) { ids[i] = static_cast<std::uint32_t>(i); });
+  return all;
+}
+
 // Answers all rays, block by block. trace_singly(rays, ids, count, answers) traces rays[0] to rays[count - 1] one by one, and
 // rays[i] is answered by answers[ids[i]].
 template <class Primitives, class Test, Query kQuery, class Answer, class TraceSingly>
@@ -281,10 +290,8 @@ void trace_packets(const Bvh2View& view, const PacketOptions& options, const Ray
     const std::size_t count = std::min(n - first, block_size);
     if (view.octo_count == 0) {
       // One leaf, or none.
-      typename Primitives::template Array<std::uint32_t> all(count);
-      std::uint32_t* const ids = all.data();
-      Primitives::for_each(count, [=] ACCEL_HD_LAMBDA(std::size_t i) { ids[i] = static_cast<std::uint32_t>(i); });
-      trace_singly(rays + first, ids, count, answers + first);
+      const auto ids = first_ids<Primitives>(count);
+      trace_singly(rays + first, ids.data(), count, answers + first);
       continue;
     }
     batch.prepare(rays + first, count);

@@ -141,9 +141,12 @@ Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, c
     if (!allocated) return allocated.error();
     in_flight = std::move(*allocated);
   }
+  cuda::ScratchMemoryScope scratch;
+  if (state_->method->makes_packets)
+    if (const Status s = scratch.begin(); !s) return s.error();
   const LaunchFunction function = state_->method->kernels[*test][by_query];
-  const Launch launch{state_->view,      options.policy,    b.rays.data(),          ray_count, b.hits.data(),
-                      b.occluded.data(), b.next_ray.data(), options.multipass.rule, &in_flight};
+  const Launch launch{state_->view,      options.policy,    b.rays.data(),          ray_count,  b.hits.data(),
+                      b.occluded.data(), b.next_ray.data(), options.multipass.rule, &in_flight, options.packet_block};
   std::vector<float> times;
   const int repeat = std::max(options.repeat, 1);
   for (int i = -std::max(options.warm_up, 0); i < repeat; ++i) {

@@ -60,6 +60,10 @@ struct DeviceTraceOptions {
 
   // Multipass: the rule, and the most rays in flight, fewer where the device's memory is short. Rays are always compacted.
   MultipassOptions multipass = {.batch_size = 1u << 22, .compact = true};
+
+  // Methods that trace packets (packet/packet_batch.h): the most rays in a block, fewer where the device's memory is short. The
+  // policy is that of the rays that packets leave; multipass makes no packets.
+  std::uint32_t packet_block = 1u << 22;
 };
 
 // Time of a launch between two events on the device, in milliseconds: copies to and from the device are not in it, but those

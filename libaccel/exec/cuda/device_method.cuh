@@ -29,12 +29,14 @@ struct Launch {
   std::uint32_t* next_ray;     // persistent
   MultipassRule rule;          // multipass
   MultipassMemory* in_flight;  // multipass
+  std::uint32_t packet_block;  // packets: rays of a block
 };
 
 using LaunchFunction = Status (*)(const Launch&);
 
 struct DeviceMethod {
   std::string name;
+  bool makes_packets;                                                      // of batches; see launch_packets.h
   std::any (*upload)(const AnyStructure&, Uploader&);                      // the view of a structure of the method's kind
   std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
   std::array<std::array<RaySizes, 2>, TriangleTests::size> ray_sizes;      // likewise

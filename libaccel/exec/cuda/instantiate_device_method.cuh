@@ -8,23 +8,13 @@
 #include "libaccel/exec/cuda/device_memory.cuh"
 #include "libaccel/exec/cuda/device_method.cuh"
 #include "libaccel/exec/cuda/launch_multipass.cuh"
+#include "libaccel/exec/cuda/launch_packets.h"
+#include "libaccel/exec/cuda/launch_trace.cuh"
 #include "libaccel/exec/cuda/trace_kernel.cuh"
 
 namespace accel::cuda {
 
 namespace detail {
-
-constexpr unsigned blocks_for(std::uint32_t threads) { return (threads + kBlockSize - 1) / kBlockSize; }
-
-// As many blocks as run at the same time, but no more than there are rays for.
-template <class Kernel>
-Result<unsigned> resident_blocks(Kernel kernel, std::uint32_t ray_count) {
-  int device = 0, multiprocessors = 0, blocks_each = 0;
-  ACCEL_CUDA_TRY(cudaGetDevice(&device));
-  ACCEL_CUDA_TRY(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device));
-  ACCEL_CUDA_TRY(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks_each, kernel, kBlockSize, 0));
-  return std::min(static_cast<unsigned>(multiprocessors) * static_cast<unsigned>(blocks_each), blocks_for(ray_count));
-}
 
 // In batches of as many rays as there is room for. The hits are worked on in place; `finish` does what else an answer needs.
 template <class Traverser, class Finish>
@@ -39,49 +29,47 @@ Status launch_multipass(const Launch& launch, const Finish& finish) {
   return Done{};
 }
 
-template <class Traverser, class Store>
-Status launch_with(const Launch& launch, const Store& store) {
-  const auto& view = *std::any_cast<typename Traverser::View>(&launch.view);
-  if (launch.policy == LaunchPolicy::grid) {
-    trace_kernel<Traverser, GridWork, Store>
-        <<<blocks_for(launch.ray_count), kBlockSize>>>(view, launch.rays, {launch.ray_count}, store);
-  } else {
-    const auto kernel = trace_kernel<Traverser, PersistentWork, Store>;
-    const Result<unsigned> blocks = resident_blocks(kernel, launch.ray_count);
-    if (!blocks) return blocks.error();
-    kernel<<<*blocks, kBlockSize>>>(view, launch.rays, {launch.ray_count, launch.next_ray}, store);
-  }
-  ACCEL_CUDA_TRY(cudaGetLastError());
-  return Done{};
+template <Query kQuery>
+auto store_of(const Launch& launch) {
+  if constexpr (kQuery == Query::closest)
+    return StoreHits{launch.hits};
+  else
+    return StoreOccluded{launch.occluded};
 }
 
-template <class Traverser, Query kQuery>
-Status launch_traverser(const Launch& launch) {
-  const bool in_passes = launch.policy == LaunchPolicy::multipass;
-  if constexpr (kQuery == Query::closest) {
-    if (in_passes) return launch_multipass<Traverser>(launch, KeepHits{});
-    return launch_with<Traverser>(launch, StoreHits{launch.hits});
-  } else {
-    const StoreOccluded store{launch.occluded};
-    return in_passes ? launch_multipass<Traverser>(launch, store) : launch_with<Traverser>(launch, store);
-  }
-}
-
-// The launch of the traverser that serves the structure best.
-template <class Traverser, Query kQuery>
-struct LaunchVisitor {
+// In passes, with the traverser that serves the structure best.
+template <Query kQuery>
+struct MultipassVisitor {
   const Launch& launch;
   template <class Best>
   Status operator()(std::type_identity<Best>) const {
-    return launch_traverser<Best, kQuery>(launch);
+    if constexpr (kQuery == Query::closest)
+      return launch_multipass<Best>(launch, KeepHits{});
+    else
+      return launch_multipass<Best>(launch, store_of<kQuery>(launch));
   }
 };
+
+// What packets leave is traced by the kernel of single rays.
+template <class Traverser, class Test, Query kQuery>
+Status launch_as_packets(const Launch& launch) {
+  const TraceOthers trace_others = [](const Launch& others, const std::uint32_t* ids) {
+    return launch_best_trace_kernel<Traverser>(others, StoreListed{ids, store_of<kQuery>(others)});
+  };
+  return launch_packets(*std::any_cast<typename Traverser::View>(&launch.view), TriangleTests::index_of<Test>(), kQuery, launch,
+                        trace_others);
+}
 
 template <class Method, class Test, Query kQuery>
 Status launch_trace(const Launch& launch) {
   using Traverser = typename Method::template Traverser<Test, kQuery>;
-  return with_traverser<Traverser, Machine::device>(*std::any_cast<typename Traverser::View>(&launch.view),
-                                                    LaunchVisitor<Traverser, kQuery>{launch});
+  if (launch.policy == LaunchPolicy::multipass)
+    return with_traverser<Traverser, Machine::device>(*std::any_cast<typename Traverser::View>(&launch.view),
+                                                      MultipassVisitor<kQuery>{launch});
+  if constexpr (PacketTraverser<Traverser>)
+    return launch_as_packets<Traverser, Test, kQuery>(launch);
+  else
+    return launch_best_trace_kernel<Traverser>(launch, store_of<kQuery>(launch));
 }
 
 template <class Traverser>
@@ -101,6 +89,7 @@ DeviceMethod make_device_method() {
   DeviceMethod result;
   result.name = Method::name();
   result.upload = detail::upload_structure<Method>;
+  result.makes_packets = PacketTraverser<typename Method::template Traverser<Watertight, Query::closest>>;
   std::size_t i = 0;
   TriangleTests::for_each([&](auto tag) {
     using Test = typename decltype(tag)::type;

@@ -96,6 +96,14 @@ struct StoreOccluded {
   StoreOccluded from(std::uint32_t first_ray) const { return {occluded + first_ray}; }  // for the rays from there on
 };
 
+// For rays that are a selection of others: ids[i] is where the answer to ray i goes.
+template <class Store>
+struct StoreListed {
+  const std::uint32_t* ids;
+  Store store;
+  __device__ void operator()(std::uint32_t ray, const Hit& hit) const { store(ids[ray], hit); }
+};
+
 template <class Traverser, class Work, class Store>
 __global__ void __launch_bounds__(kBlockSize, kBlocksPerMultiprocessor)
     trace_kernel(const typename Traverser::View view, const Ray* __restrict__ rays, Work work, const Store store) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libaccel/exec/cuda/device_accel.h"
+#include "libaccel/rays/camera.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/any_accel.h"
 #include "scenes/procedural.h"
@@ -150,6 +151,36 @@ TEST(Cuda, MultipassInBatches) {
       ASSERT_TRUE(batch->occluded(any).ok());
       EXPECT_EQ(any, expected_any);
     }
+  }
+}
+
+// Coherent rays, which packets serve, among rays that they leave; in one block and in many.
+TEST(Cuda, PacketsInBlocks) {
+  ACCEL_SKIP_WITHOUT_DEVICE();
+  const auto scene = make_builtin("terrain:2000");
+  const auto cpu = AnyAccel::build(scene->mesh, "sbvh/breadth-first");
+  ASSERT_TRUE(cpu.ok()) << cpu.message();
+  Aabb bounds;
+  for (const Vec3& v : scene->mesh.vertices) bounds.extend(v);
+  const auto camera = Camera::make(default_camera(bounds), 200, 150);
+  const auto primary = primary_rays(*camera);
+  std::vector<Ray> rays = mixed_rays(scene->mesh);
+  rays.insert(rays.end(), primary->rays.begin(), primary->rays.end());
+  const auto device = DeviceAccel::upload(cpu->structure(), "sbvh/breadth-first");
+  ASSERT_TRUE(device.ok()) << device.message();
+  const auto batch = DeviceBatch::upload(rays);
+  std::vector<Hit> expected(rays.size()), hits(rays.size());
+  std::vector<std::uint8_t> expected_any(rays.size()), any(rays.size());
+  ASSERT_TRUE(cpu->closest(rays, expected).ok());
+  ASSERT_TRUE(cpu->occluded(rays, expected_any).ok());
+  for (const std::uint32_t block : {1u << 22, 10000u, 777u}) {
+    const auto closest = device->trace(*batch, Query::closest, {.packet_block = block});
+    ASSERT_TRUE(closest.ok()) << closest.message();
+    ASSERT_TRUE(batch->hits(hits).ok());
+    EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0) << block;
+    ASSERT_TRUE(device->trace(*batch, Query::any, {.packet_block = block}).ok());
+    ASSERT_TRUE(batch->occluded(any).ok());
+    EXPECT_EQ(any, expected_any) << block;
   }
 }
 

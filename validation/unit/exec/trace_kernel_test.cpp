@@ -19,6 +19,7 @@ namespace {
 using cuda::GridWork;
 using cuda::PersistentWork;
 using cuda::StoreHits;
+using cuda::StoreListed;
 using cuda::StoreOccluded;
 
 // Random rays, every seventh of which hits nothing by definition and ends at once.
@@ -56,6 +57,15 @@ void expect_cpu_answers(const typename Method::Structure::View& view, const std:
   run_kernel<Closest>(2, view, rays.data(), PersistentWork{count, &next_ray}, StoreHits{hits.data()});
   EXPECT_TRUE(same_hits());
   EXPECT_GE(next_ray, count);
+
+  // As a selection: the rays from the last to the first.
+  std::vector<std::uint32_t> ids(count);
+  for (std::uint32_t i = 0; i < count; ++i) ids[i] = count - 1 - i;
+  const std::vector<Ray> selected(rays.rbegin(), rays.rend());
+  std::memset(static_cast<void*>(hits.data()), 0xab, count * sizeof(Hit));
+  run_kernel<Closest>((count + 31) / 32, view, selected.data(), GridWork{count},
+                      StoreListed<StoreHits>{ids.data(), {hits.data()}});
+  EXPECT_TRUE(same_hits());
 
   next_ray = 0;
   run_kernel<Any>(2, view, rays.data(), PersistentWork{count, &next_ray}, StoreOccluded{any.data()});
