@@ -50,7 +50,7 @@ build_programs() {
   cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CUDA_COMPILER="$nvcc" \
     -DCMAKE_CUDA_ARCHITECTURES=native -DCMAKE_CUDA_FLAGS="-Xptxas=-v" \
     -DACCEL_WITH_CUDA=ON -DACCEL_WITH_EMBREE=OFF -DACCEL_WITH_OIIO=OFF || return 1
-  ninja -C "$build" unit.exec.cuda_test unit.exec.cuda_primitives_test gpu_trace
+  ninja -C "$build" unit.exec.cuda_test unit.exec.cuda_primitives_test gpu_trace gpu_primitives
 }
 
 # Small enough for the sanitizer, which is some hundred times slower: every method and policy on a few thousand rays.
@@ -79,11 +79,12 @@ fi
 cuda_test=$build/validation/unit.exec.cuda_test
 primitives_test=$build/validation/unit.exec.cuda_primitives_test
 gpu_trace=$build/bench/gpu_trace
+gpu_primitives=$build/bench/gpu_primitives
 if $do_build; then
   echo "building in $build (log: $out/build.log)"
   build_programs > "$out/build.log" 2>&1 || { tail -n 30 "$out/build.log" >&2 && fail 1 "the build failed"; }
 fi
-for program in "$cuda_test" "$primitives_test" "$gpu_trace"; do
+for program in "$cuda_test" "$primitives_test" "$gpu_trace" "$gpu_primitives"; do
   [[ -x $program ]] || fail 1 "there is no $program: leave out --no-build"
 done
 
@@ -99,6 +100,9 @@ tail -n 3 "$out/cuda_test.log"
 echo "looking for memory errors and races (log: $out/sanitizer.log)"
 check_memory > "$out/sanitizer.log" 2>&1 || { tail -n 30 "$out/sanitizer.log" >&2 && fail 1 "compute-sanitizer found errors"; }
 tail -n 1 "$out/sanitizer.log"
+
+echo "measuring the primitives"
+"$gpu_primitives" | tee "$out/gpu_primitives.txt"
 
 "$gpu_trace" "${trace_arguments[@]}" --json "$out/gpu_trace.json"
 echo "written: $out/gpu_trace.json"
