@@ -13,7 +13,6 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 #include <thrust/iterator/transform_output_iterator.h>
-#include <cub/device/device_for.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
@@ -124,6 +123,15 @@ struct DifferenceFromFirst {
   ACCEL_HD Key operator()(std::uint32_t i) const { return keys[i] ^ keys[0]; }
 };
 
+// One thread an index. Deviation: cub::DeviceFor would give each thread two, with the body inlined twice, for which the bodies
+// that intersect rays have too few registers.
+inline constexpr unsigned kForEachBlock = 128;
+template <class Body>
+__global__ void __launch_bounds__(kForEachBlock) for_each_kernel(const std::size_t n, const Body body) {
+  const std::size_t i = std::size_t{blockIdx.x} * kForEachBlock + threadIdx.x;
+  if (i < n) body(i);
+}
+
 }  // namespace detail
 
 struct CudaPrimitives {
@@ -134,7 +142,9 @@ struct CudaPrimitives {
   template <class Body>
   static void for_each(std::size_t n, const Body& body) {
     if (n == 0) return;
-    throw_unless_done(cub::DeviceFor::Bulk(n, body), "cub::DeviceFor::Bulk");
+    const auto blocks = static_cast<unsigned>((n + detail::kForEachBlock - 1) / detail::kForEachBlock);
+    detail::for_each_kernel<<<blocks, detail::kForEachBlock>>>(n, body);
+    throw_unless_done(cudaGetLastError(), "for_each");
   }
 
   template <class T>

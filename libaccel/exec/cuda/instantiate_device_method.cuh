@@ -8,7 +8,7 @@
 #include "libaccel/exec/cuda/device_memory.cuh"
 #include "libaccel/exec/cuda/device_method.cuh"
 #include "libaccel/exec/cuda/launch_multipass.cuh"
-#include "libaccel/exec/cuda/launch_packets.h"
+#include "libaccel/exec/cuda/launch_packets.cuh"
 #include "libaccel/exec/cuda/launch_trace.cuh"
 #include "libaccel/exec/cuda/trace_kernel.cuh"
 

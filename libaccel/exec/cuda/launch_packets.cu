@@ -1,4 +1,4 @@
-#include "libaccel/exec/cuda/launch_packets.h"
+#include "libaccel/exec/cuda/launch_packets.cuh"
 
 #include <algorithm>
 #include <array>
