@@ -13,7 +13,7 @@
 // blocks are traced singly until the next trial.
 //
 // Hits are those of single rays. In the registry the method is a traverser that is the stack version in all that concerns
-// single rays: what counts their steps, models warps or streams, or runs on devices sees that one.
+// single rays: what counts their steps or models warps or streams sees that one. Devices run packet/packet_batch.h.
 #pragma once
 
 #include <algorithm>
