@@ -36,7 +36,8 @@ using LaunchFunction = Status (*)(const Launch&);
 
 struct DeviceMethod {
   std::string name;
-  bool makes_packets;  // of batches: see launch_packets.cuh
+  bool makes_packets;  // see launch_packets.cuh
+
   std::any (*upload)(const AnyStructure&, Uploader&);                      // the view of a structure of the method's kind
   std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
   std::array<std::array<RaySizes, 2>, TriangleTests::size> ray_sizes;      // likewise
