@@ -9,14 +9,15 @@
 //
 // An addition. A frustum that is too wide to be worth it meets more than its budget of nodes and leaves; it leaves the queue
 // and is reported, so that its rays are traced in another way.
+//
+// Tree is OctoTree, or BinaryTree to see what eight children gain (packet/frustum_trees.h).
 #pragma once
 
 #include <bit>
 #include <cstdint>
 #include <utility>
 
-#include "libaccel/packet/frustum.h"
-#include "libaccel/structure/bvh2.h"
+#include "libaccel/packet/frustum_trees.h"
 
 namespace accel {
 
@@ -33,7 +34,7 @@ struct FrustumQueue {
   using Array = typename Primitives::template Array<T>;
 
   Array<std::uint32_t> frustum;
-  Array<std::uint32_t> place;  // a node by index, or with kLeafBit a leaf, by its place among all children: 8 node + child
+  Array<std::uint32_t> place;  // a node by index, or with kLeafBit a leaf, by its place among all children: kArity node + child
   std::size_t count = 0;
 
   void reserve(std::size_t n) {
@@ -42,44 +43,46 @@ struct FrustumQueue {
 };
 
 // Tells which children of its node each pair of the queue meets: bit c of masks[i] for child c. Not of leaves.
-struct ScalarCulling {
+template <class Tree>
+struct ScalarCullingOf {
   template <class Primitives>
-  static void cull(const OctoNode* nodes, const Frustum* frustums, const FrustumQueue<Primitives>& queue, std::uint8_t* masks) {
+  static void cull(const typename Tree::Node* nodes, const Frustum* frustums, const FrustumQueue<Primitives>& queue,
+                   std::uint8_t* masks) {
     const std::uint32_t *const frustum = queue.frustum.data(), *const place = queue.place.data();
     Primitives::for_each(queue.count, [=] ACCEL_HD_LAMBDA(std::size_t i) {
       if (is_leaf(place[i])) return;
-      const OctoNode& node = nodes[place[i]];
-      std::uint32_t mask = 0;
-      for (std::uint32_t c = 0; c < kOctoArity; ++c) mask |= (frustums[frustum[i]].meets(node.bounds(c)) ? 1u : 0u) << c;
-      masks[i] = static_cast<std::uint8_t>(mask & node.child_mask);
+      masks[i] = static_cast<std::uint8_t>(children_met<Tree>(nodes[place[i]], frustums[frustum[i]]));
     });
   }
 };
+using ScalarCulling = ScalarCullingOf<OctoTree>;
 
-template <class Primitives, class Culling = ScalarCulling>
+template <class Primitives, class Culling = ScalarCulling, class Tree = OctoTree>
 class BreadthFirst {
  public:
   using Queue = FrustumQueue<Primitives>;
 
   // The leaves that the frustums meet, all of one frustum one after the other, in the order of frustums. Valid until the next
-  // call. view.octo_count > 0. Frustum f may have at most budgets[f] pairs in the queue; gave_up[f] says whether it had
-  // more.
+  // call. view.octo_count > 0, for either tree. Frustum f may have at most budgets[f] pairs in the queue; gave_up[f] says
+  // whether it had more.
   const Queue& run(const Bvh2View& view, const Frustum* frustums, std::size_t count, const std::uint32_t* budgets,
                    std::uint8_t* gave_up) {
     in_.reserve(count), in_.count = count;
     std::uint32_t *const frustum = in_.frustum.data(), *const place = in_.place.data();
+    const NodeRef root = Tree::root(view);
     Primitives::for_each(count, [=] ACCEL_HD_LAMBDA(std::size_t i) {
-      frustum[i] = static_cast<std::uint32_t>(i), place[i] = 0;
+      frustum[i] = static_cast<std::uint32_t>(i), place[i] = root;
       gave_up[i] = 0;
     });
     with_room<Primitives, std::uint32_t>(first_, count);
-    while (pass(view.octo, frustums, budgets, gave_up) > 0) {
+    while (pass(Tree::nodes(view), frustums, budgets, gave_up) > 0) {
     }
     return in_;
   }
 
   // The steps of run(). CUDA's lambdas need them, and what they work on, to be public.
 
+  using Node = typename Tree::Node;
   template <class T>
   using Array = typename Primitives::template Array<T>;
 
@@ -91,7 +94,7 @@ class BreadthFirst {
   };
 
   // Returns how many pairs of nodes there are now.
-  std::size_t pass(const OctoNode* nodes, const Frustum* frustums, const std::uint32_t* budgets, std::uint8_t* gave_up) {
+  std::size_t pass(const Node* nodes, const Frustum* frustums, const std::uint32_t* budgets, std::uint8_t* gave_up) {
     const std::size_t n = in_.count;
     std::uint8_t* const masks = with_room<Primitives, std::uint8_t>(masks_, n);
     Counts *const counts = with_room<Primitives, Counts>(counts_, n), *const offsets =
@@ -104,7 +107,7 @@ class BreadthFirst {
         counts[i] = {1, 0};
         return;
       }
-      const std::uint32_t met = masks[i], inner = met & ~nodes[place[i]].leaf_mask;
+      const std::uint32_t met = masks[i], inner = met & ~Tree::leaves(nodes[place[i]]);
       counts[i] = {static_cast<std::uint32_t>(std::popcount(met)), static_cast<std::uint32_t>(std::popcount(inner))};
     });
     Counts total = Primitives::exclusive_scan(counts, n, offsets);
@@ -124,13 +127,12 @@ class BreadthFirst {
         to_frustum[at] = frustum[i], to_place[at] = place[i];
         return;
       }
-      // `mask` by rank instead of by child: rank r is child r ^ signs.
-      const std::uint32_t signs = frustums[frustum[i]].signs;
-      for (std::uint32_t mask = xor_indices(masks[i], signs); mask != 0; mask &= mask - 1) {
-        const std::uint32_t c = static_cast<std::uint32_t>(std::countr_zero(mask)) ^ signs;
-        const NodeRef child = nodes[place[i]].child[c];
+      const Node& node = nodes[place[i]];
+      const std::uint32_t order = Tree::order(node, frustums[frustum[i]].signs);
+      for (std::uint32_t ranks = by_rank(masks[i], order); ranks != 0; ranks &= ranks - 1) {
+        const std::uint32_t c = static_cast<std::uint32_t>(std::countr_zero(ranks)) ^ order;
         to_frustum[at] = frustum[i];
-        to_place[at++] = is_leaf(child) ? kLeafBit | (place[i] * kOctoArity + c) : child;
+        to_place[at++] = is_leaf(node.child[c]) ? kLeafBit | (place[i] * Tree::kArity + c) : node.child[c];
       }
     });
     std::swap(in_, out_);
@@ -154,13 +156,6 @@ class BreadthFirst {
     return Primitives::exclusive_scan(marks, n, marks);
   }
 
-  // Bit i of the result is bit i ^ signs of an 8-bit mask.
-  ACCEL_HD static std::uint32_t xor_indices(std::uint32_t mask, std::uint32_t signs) {
-    if ((signs & 1u) != 0) mask = (mask & 0x55u) << 1 | (mask >> 1 & 0x55u);
-    if ((signs & 2u) != 0) mask = (mask & 0x33u) << 2 | (mask >> 2 & 0x33u);
-    if ((signs & 4u) != 0) mask = (mask & 0x0fu) << 4 | (mask >> 4 & 0x0fu);
-    return mask;
-  }
 
  private:
   Queue in_, out_;

@@ -11,34 +11,21 @@
 namespace accel {
 namespace {
 
-using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+using test::Pairs;
 
 struct Traversed {
-  Pairs pairs;  // frustum and place
+  Pairs pairs;
   std::vector<std::uint8_t> gave_up;
 };
 
-template <class Primitives, class Culling>
+template <class Primitives, class Culling, class Tree = OctoTree>
 Traversed traverse(const Bvh2& tree, const std::vector<Frustum>& frustums, std::uint32_t budget = 1000000) {
-  BreadthFirst<Primitives, Culling> traversal;
+  BreadthFirst<Primitives, Culling, Tree> traversal;
   std::vector<std::uint32_t> budgets(frustums.size(), budget);
   Traversed result{{}, std::vector<std::uint8_t>(frustums.size())};
   const auto& leaves = traversal.run(tree.view(), frustums.data(), frustums.size(), budgets.data(), result.gave_up.data());
   for (std::size_t i = 0; i < leaves.count; ++i) result.pairs.push_back({leaves.frustum[i], leaves.place[i]});
   return result;
-}
-
-// Depth first, each frustum by itself, from front to back.
-void walk(const Bvh2& tree, const Frustum& frustum, std::uint32_t number, NodeRef node, Pairs& pairs) {
-  for (std::uint32_t rank = 0; rank < kOctoArity; ++rank) {
-    const std::uint32_t c = rank ^ frustum.signs;
-    const NodeRef child = tree.octo[node].child[c];
-    if (child == kNoNode || !frustum.meets(tree.octo[node].bounds(c))) continue;
-    if (is_leaf(child))
-      pairs.push_back({number, kLeafBit | (node * kOctoArity + c)});
-    else
-      walk(tree, frustum, number, child, pairs);
-  }
 }
 
 struct Case {
@@ -52,9 +39,8 @@ std::vector<Case> cases() {
   for (const auto& [name, mesh] : validation::stress_scenes()) {
     Case test{test::octo_tree(mesh), {}, {}};
     if (test.tree.octo.empty()) continue;
-    for (const auto& packet : test::packets_for(mesh, test.tree.bounds, 2))
-      test.frustums.push_back(test::frustum_of(packet, test.tree.bounds));
-    for (std::uint32_t f = 0; f < test.frustums.size(); ++f) walk(test.tree, test.frustums[f], f, 0, test.expected);
+    test.frustums = test::frustums_for(mesh, test.tree.bounds, 2);
+    test.expected = test::walk<OctoTree>(test.tree, test.frustums);
     result.push_back(std::move(test));
   }
   return result;
@@ -71,6 +57,19 @@ TEST(BreadthFirst, FindsWhatADepthFirstWalkFindsInTheSameOrder) {
     found += test.expected.size();
   }
   EXPECT_GT(found, 10000u);
+}
+
+TEST(BreadthFirst, TheBinaryTreeHasTheLeavesOfTheOctoTreeOrFewer) {
+  std::size_t fewer = 0, all = 0;
+  for (const Case& test : cases()) {
+    const Pairs expected = test::walk<BinaryTree>(test.tree, test.frustums);
+    EXPECT_EQ((traverse<SerialPrimitives, ScalarCullingOf<BinaryTree>, BinaryTree>(test.tree, test.frustums).pairs), expected);
+    auto binary = test::leaves_of<BinaryTree>(test.tree, expected), octo = test::leaves_of<OctoTree>(test.tree, test.expected);
+    std::sort(binary.begin(), binary.end()), std::sort(octo.begin(), octo.end());
+    EXPECT_TRUE(std::includes(octo.begin(), octo.end(), binary.begin(), binary.end()));
+    fewer += binary.size(), all += octo.size();
+  }
+  EXPECT_GT(fewer, all / 2);
 }
 
 TEST(BreadthFirst, FrustumsThatMeetTooMuchLeaveTheQueue) {

@@ -4,12 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "libaccel/build/bvh2_octo.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/core/counter_rng.h"
-#include "libaccel/packet/frustum.h"
+#include "libaccel/packet/frustum_trees.h"
 #include "libaccel/structure/bvh2.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
@@ -61,6 +62,44 @@ inline std::vector<std::vector<Ray>> packets_for(const TriangleMesh& mesh, const
 inline Frustum frustum_of(const std::vector<Ray>& packet, const Aabb& bounds) {
   return make_frustum(
       face_of(packet.front()), static_cast<std::uint32_t>(packet.size()), [&](std::uint32_t i) { return packet[i]; }, bounds);
+}
+
+inline std::vector<Frustum> frustums_for(const TriangleMesh& mesh, const Aabb& bounds, std::uint64_t seed) {
+  std::vector<Frustum> frustums;
+  for (const auto& packet : packets_for(mesh, bounds, seed)) frustums.push_back(frustum_of(packet, bounds));
+  return frustums;
+}
+
+// Frustums by number, and what they meet: places of leaves, as in FrustumQueue.
+using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+// Depth first by recursion, from front to back.
+template <class Tree>
+void walk(const Bvh2View& tree, const Frustum& frustum, std::uint32_t number, NodeRef ref, Pairs& pairs) {
+  const auto& node = Tree::nodes(tree)[ref];
+  for (std::uint32_t rank = 0; rank < Tree::kArity; ++rank) {
+    const std::uint32_t c = rank ^ Tree::order(node, frustum.signs);
+    const NodeRef child = node.child[c];
+    if (child == kNoNode || !frustum.meets(node.bounds(static_cast<int>(c)))) continue;
+    if (is_leaf(child))
+      pairs.push_back({number, kLeafBit | (ref * Tree::kArity + c)});
+    else
+      walk<Tree>(tree, frustum, number, child, pairs);
+  }
+}
+template <class Tree>
+Pairs walk(const Bvh2& tree, const std::vector<Frustum>& frustums) {
+  Pairs pairs;
+  for (std::uint32_t f = 0; f < frustums.size(); ++f) walk<Tree>(tree.view(), frustums[f], f, Tree::root(tree.view()), pairs);
+  return pairs;
+}
+
+// The same with the leaves themselves instead of their places.
+template <class Tree>
+Pairs leaves_of(const Bvh2& tree, Pairs pairs) {
+  for (auto& [frustum, place] : pairs)
+    place = Tree::nodes(tree.view())[leaf_quad(place) / Tree::kArity].child[leaf_quad(place) % Tree::kArity];
+  return pairs;
 }
 
 }  // namespace accel::test
