@@ -32,9 +32,7 @@ Buffer<Key> hash_values(const RaySet& set, const RayHash<Key>& hash) {
 template <class Key>
 void sort_plainly(const RaySet& set, const RayHash<Key>& hash) {
   Buffer<Key> values = hash_values(set, hash);
-  Buffer<std::uint32_t> ids(set.size());
-  CpuPrimitives::for_each(ids.size(), [&](std::size_t i) { ids[i] = static_cast<std::uint32_t>(i); });
-  CpuPrimitives::sort_pairs(values.data(), ids.data(), ids.size());
+  const auto ids = plain_sort<CpuPrimitives>(values.data(), values.size());
   benchmark::DoNotOptimize(ids.data());
 }
 

@@ -45,10 +45,11 @@ struct ScheduleName {
   std::string_view name;
   SimtSchedule schedule;
 };
-constexpr std::array<ScheduleName, 4> kSchedules = {{{"while-while", SimtSchedule::while_while},
+constexpr std::array<ScheduleName, 5> kSchedules = {{{"while-while", SimtSchedule::while_while},
                                                      {"if-if", SimtSchedule::if_if},
                                                      {"speculative", SimtSchedule::speculative_while_while},
-                                                     {"persistent", SimtSchedule::persistent_while_while}}};
+                                                     {"persistent", SimtSchedule::persistent_while_while},
+                                                     {"if-while", SimtSchedule::if_while}}};
 
 void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   app.add_option("SCENE", settings.scene, ".ply or .obj (or either .zst), .accel, or builtin:NAME[:size]")->type_name("");
@@ -116,7 +117,7 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->type_name("MODEL,...")
       ->group("Measuring and checking");
   app.add_option("--schedule", raw.schedule,
-                 "warps: while-while, if-if, speculative or persistent [while-while];\n"
+                 "warps: while-while, if-if, speculative, persistent or if-while [while-while];\n"
                  "passes: delany, largest-first or drain [delany]")
       ->type_name("NAME,...")
       ->group("Measuring and checking");

@@ -200,9 +200,7 @@ Result<SceneResult> measure(const SceneFigures& figures, const Settings& setting
   return result;
 }
 
-std::string title_of(const SceneResult& result, std::size_t s) {
-  return std::string(kScenes[s].scene.title) + (result.is_stand_in ? " *" : "");
-}
+std::string title_of(const SceneResult& result, std::size_t s) { return title_of(kScenes[s].scene, result.is_stand_in); }
 
 // A figure of the paper, or nothing where it does not have the scene.
 std::string theirs(const std::optional<PaperFigures>& paper, double PaperFigures::*value, const char* unit = "") {
@@ -296,14 +294,6 @@ SimtProfile total(const std::vector<SceneResult>& results, std::size_t method, i
   return sum;
 }
 
-std::uint64_t issued(const SimtProfile& p) { return p.descend.steps + p.intersect.steps + p.backtrack.steps; }
-
-SimtProfile::Traffic all_traffic(const SimtProfile& p) {
-  SimtProfile::Traffic all;
-  for (const SimtProfile::Traffic& t : p.traffic) all += t;
-  return all;
-}
-
 std::string simt_table(const std::vector<SceneResult>& results) {
   std::string text =
       "\n" +
@@ -331,9 +321,7 @@ std::string simt_table(const std::vector<SceneResult>& results) {
 
 std::string notes(const std::vector<SceneResult>& results) {
   std::string text = "\nWhere and why they differ\n";
-  if (std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }))
-    text +=
-        paragraph("* A built-in scene of comparable kind stands in for the paper's, which was not found: no figure compares.");
+  text += stand_in_note(std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }));
   text += paragraph(
       "Sponza here is Dabrovic's with 66,454 triangles, the paper's Crytek's; Conference has 331,179 triangles here.");
   text += paragraph(

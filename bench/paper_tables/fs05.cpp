@@ -174,7 +174,7 @@ std::string table1(const std::vector<SceneResult>& results, const Settings& sett
                            settings.size, settings.size);
   TextTable table({"scene, method", "paper ms", "x", "while-while ms", "x", "multipass ms", "x", "X800 model ms", "x"});
   for (std::size_t s = 0; s < results.size(); ++s) {
-    table.add({std::string(kScenes[s].scene.title) + (results[s].is_stand_in ? " *" : "")});
+    table.add({title_of(kScenes[s].scene, results[s].is_stand_in)});
     const Measured& unit = *results[s].methods[kRestart];
     for (int m = 0; m < kMethods; ++m) {
       const Measured& ours = *results[s].methods[m];
@@ -204,7 +204,7 @@ std::string table2(const std::vector<SceneResult>& results) {
   TextTable table({"scene, method", "Down", "paper", "Up", "paper", "Tests", "paper", "Trans.", "paper", "ratio", "paper"});
   for (const Table2Figures& figures : kTable2) {
     const SceneResult& result = results[figures.scene];
-    table.add({std::string(kScenes[figures.scene].scene.title) + (result.is_stand_in ? " *" : "")});
+    table.add({title_of(kScenes[figures.scene].scene, result.is_stand_in)});
     const double stack_down = counts_of(*result.methods[kStack]).down, paper_down = figures.backtrack.down * 1e6;
     for (const MethodIndex m : {kStack, kRestart, kBacktrack}) {
       const StateCounts ours = counts_of(*result.methods[m]);
@@ -318,9 +318,7 @@ std::string machine_notes(const std::vector<SceneResult>& results) {
 
 std::string notes(const std::vector<SceneResult>& results) {
   std::string text = "\nWhere and why they differ\n";
-  if (std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }))
-    text +=
-        paragraph("* A built-in scene of comparable kind stands in for the paper's, which was not found: no figure compares.");
+  text += stand_in_note(std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }));
   text += paragraph("Steps as multiples of the stack version's: Restart " + ratios(results, kRestart) + "; Backtrack " +
                     ratios(results, kBacktrack) + ".");
   for (const Table2Figures& figures : kTable2) text += counts_note(figures, results[figures.scene]);

@@ -2,9 +2,9 @@
 //
 //   paper_tables [PAPER]... [--scenes DIR] [--size N] [--repeat N] [--threads N] [--json FILE|-]
 //
-// PAPER is fs05 (Foley and Sugerman 2005) or bk16 (Binder and Keller 2016); without one, all of them. DIR holds the papers'
-// scenes (default ../shared/scenes); where one is missing, a built-in scene of comparable kind stands in, and the report says
-// so. Tables go to stdout, messages to stderr; the JSON has Google Benchmark's shape.
+// PAPER is fs05 (Foley and Sugerman 2005), gl10 (Garanzha and Loop 2010) or bk16 (Binder and Keller 2016); without one, all of
+// them. DIR holds the papers' scenes (default ../shared/scenes); where one is missing, a built-in scene of comparable kind
+// stands in, and the report says so. Tables go to stdout, messages to stderr; the JSON has Google Benchmark's shape.
 //
 // Exit status: 0 ok, 1 error, 2 usage.
 #include <charconv>
@@ -24,7 +24,7 @@ struct Paper {
   std::string_view name;
   Result<Report> (*make)(const Settings&);
 };
-constexpr Paper kPapers[] = {{"fs05", fs05}, {"bk16", bk16}};
+constexpr Paper kPapers[] = {{"fs05", fs05}, {"gl10", gl10}, {"bk16", bk16}};
 
 struct Arguments {
   std::vector<Paper> papers;

@@ -40,14 +40,29 @@ CameraDescription view_of(const SceneData& scene) {
 
 }  // namespace
 
-Result<RaySet> primary_rays(const SceneData& scene, std::uint32_t size) {
+Result<RaySet> primary_rays(const SceneData& scene, std::uint32_t size, PixelOrder order) {
   const auto camera = Camera::make(view_of(scene), size, size);
   if (!camera) return camera.error();
-  return accel::primary_rays(*camera);
+  return accel::primary_rays(*camera, 1, 1, order);
 }
 
 LightDescription light_of(const SceneData& scene) {
   return scene.light.value_or(default_light(bounds_of(scene), view_of(scene)));
+}
+
+std::string title_of(const PaperScene& scene, bool is_stand_in) { return std::string(scene.title) + (is_stand_in ? " *" : ""); }
+
+std::string stand_in_note(bool has_stand_in) {
+  if (!has_stand_in) return {};
+  return paragraph("* A built-in scene of comparable kind stands in for the paper's, which was not found: no figure compares.");
+}
+
+std::uint64_t issued(const SimtProfile& p) { return p.descend.steps + p.intersect.steps + p.backtrack.steps; }
+
+SimtProfile::Traffic all_traffic(const SimtProfile& p) {
+  SimtProfile::Traffic all;
+  for (const SimtProfile::Traffic& t : p.traffic) all += t;
+  return all;
 }
 
 std::string TextTable::text() const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libaccel/core/result.h"
+#include "libaccel/exec/simt_profile.h"
 #include "libaccel/geometry/scene_data.h"
 #include "libaccel/rays/ray_sets.h"
 
@@ -41,6 +42,10 @@ struct LoadedScene {
 };
 Result<LoadedScene> load(const PaperScene& scene, const Settings& settings);
 
+// With an asterisk where a built-in scene stands in, and the note that explains it where one does in any of the results.
+std::string title_of(const PaperScene& scene, bool is_stand_in);
+std::string stand_in_note(bool has_stand_in);
+
 // measure(figures, settings) for each scene of a paper's figures; an error names the scene.
 template <class SceneResult, class Figures, class Measure>
 Result<std::vector<SceneResult>> measure_all(const Figures& scenes, const Measure& measure, const Settings& settings) {
@@ -53,8 +58,8 @@ Result<std::vector<SceneResult>> measure_all(const Figures& scenes, const Measur
   return results;
 }
 
-// What the scene's first camera sees, or the default camera: one ray a pixel, row by row. And what lights it.
-Result<RaySet> primary_rays(const SceneData& scene, std::uint32_t size);
+// What the scene's first camera sees, or the default camera: one ray a pixel. And what lights it.
+Result<RaySet> primary_rays(const SceneData& scene, std::uint32_t size, PixelOrder order = PixelOrder::rows);
 LightDescription light_of(const SceneData& scene);
 
 // A table of text, with columns as wide as their widest cell; the first column is aligned to the left.
@@ -68,6 +73,10 @@ class TextTable {
  private:
   std::vector<std::vector<std::string>> rows_;
 };
+
+// What the SIMT model counts, over the phases of the traversal and over all classes of memory.
+std::uint64_t issued(const SimtProfile& profile);
+SimtProfile::Traffic all_traffic(const SimtProfile& profile);
 
 // Text in lines of at most 100 columns that end with a line break; the first is indented by `first`, the others by `rest`.
 std::string paragraph(const std::string& text, std::size_t first = 2, std::size_t rest = 4);
@@ -95,5 +104,8 @@ Result<Report> fs05(const Settings& settings);
 
 // Binder and Keller 2016: Tables 1 and 2, and the histogram of Figure 3.
 Result<Report> bk16(const Settings& settings);
+
+// Garanzha and Loop 2010: Table 1, Figures 12 to 15, and what the text of section 5 compares.
+Result<Report> gl10(const Settings& settings);
 
 }  // namespace accel::paper_tables

@@ -14,6 +14,10 @@
 //   persistent    while-while, but lanes without work fetch rays from a queue: section 3.3. Deviation: lanes fetch one by one,
 //                 once few enough are left at work, as in Aila, Laine and Karras 2012; in [AL09] a warp fetches 32 rays a time
 //
+//   if-while      while a lane is at work: to the next node, for lanes that look for a leaf; then, while a lane has triangles
+//                 left in its leaf: test one. Not of [AL09]: it keeps lanes together that go through the same list of leaves,
+//                 as in Garanzha and Loop 2010, Fig. 10 (packet/localized_ray.h)
+//
 // Hits are those of exec/cpu.h, bit for bit. A speculating lane visits nodes that a hit in its postponed leaf would have
 // culled, which costs steps but no hit: the nearest hit does not depend on the order of tests, and any-hit meets the same
 // leaves in the same order. One exception: a hit that rounding has moved out of its box (core/hit.h) may be found by
@@ -82,6 +86,10 @@ class SimtWarp {
       case SimtSchedule::if_if:
         step_to_next_node();
         step_intersect();
+        return;
+      case SimtSchedule::if_while:
+        step_to_next_node();
+        while (any([](const Lane& lane) { return lane.phase == Phase::intersect; })) step_intersect();
         return;
       case SimtSchedule::speculative_while_while:
         if constexpr (kSpeculates) return search_and_test_speculatively();

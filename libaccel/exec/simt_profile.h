@@ -11,12 +11,13 @@ inline constexpr int kWarpSize = 32;
 
 // Which loop structure drives the lanes of a warp (Aila and Laine 2009, section 3), and whether lanes that have finished fetch
 // new rays (section 3.3).
-enum class SimtSchedule : std::uint8_t { while_while, if_if, speculative_while_while, persistent_while_while };
-inline constexpr int kSimtSchedules = 4;
+enum class SimtSchedule : std::uint8_t { while_while, if_if, speculative_while_while, persistent_while_while, if_while };
+inline constexpr int kSimtSchedules = 5;
 
 // "while-while", "if-if", ...
 constexpr const char* schedule_name(SimtSchedule schedule) {
-  constexpr const char* kNames[kSimtSchedules] = {"while-while", "if-if", "speculative-while-while", "persistent-while-while"};
+  constexpr const char* kNames[kSimtSchedules] = {"while-while", "if-if", "speculative-while-while", "persistent-while-while",
+                                                  "if-while"};
   return kNames[static_cast<int>(schedule)];
 }
 

@@ -67,18 +67,25 @@ typename Primitives::template Array<std::uint32_t> decompress(const std::uint32_
 
 }  // namespace detail
 
+// The same order by a sort of all rays, one by one, which leaves the values sorted.
+template <class Primitives, class Key>
+typename Primitives::template Array<std::uint32_t> plain_sort(Key* values, std::size_t n) {
+  typename Primitives::template Array<std::uint32_t> order(n);
+  std::uint32_t* const ids = order.data();
+  Primitives::for_each(n, [=] ACCEL_HD_LAMBDA(std::size_t i) { ids[i] = static_cast<std::uint32_t>(i); });
+  Primitives::sort_pairs(values, ids, n);
+  return order;
+}
+
 // Of fewer than 2^32 values. The clock gets a lap after each of the three stages. O(n); the memory besides the result is 5
 // bytes a ray and 2 sizeof(Key) + 16 a chunk.
 template <class Primitives, class Key, class Clock = NoClock>
 CsdOrder<Primitives> csd_sort(const Key* values, std::size_t n, Clock&& clock = Clock{}) {
   auto chunks = detail::compress<Primitives, Key>(values, n);
   clock.lap(PacketStage::compress);
-  typename Primitives::template Array<std::uint32_t> order(chunks.count);
-  std::uint32_t* const chunk = order.data();
-  Primitives::for_each(chunks.count, [=] ACCEL_HD_LAMBDA(std::size_t c) { chunk[c] = static_cast<std::uint32_t>(c); });
-  Primitives::sort_pairs(chunks.hash.data(), chunk, chunks.count);
+  const auto order = plain_sort<Primitives>(chunks.hash.data(), chunks.count);
   clock.lap(PacketStage::sort);
-  CsdOrder<Primitives> sorted{detail::decompress<Primitives>(chunks.base.data(), chunk, chunks.count, n), chunks.count};
+  CsdOrder<Primitives> sorted{detail::decompress<Primitives>(chunks.base.data(), order.data(), chunks.count, n), chunks.count};
   clock.lap(PacketStage::decompress);
   return sorted;
 }

@@ -50,9 +50,7 @@ RayOrder order_by(std::span<const Ray> rays, const Hash& hash, bool compresses) 
     auto sorted = csd_sort<CpuPrimitives>(std::as_const(values).data(), values.size());
     order.ids = std::move(sorted.ids), order.chunks = sorted.chunks;
   } else {
-    order.ids = Buffer<std::uint32_t>(rays.size()), order.chunks = rays.size();
-    CpuPrimitives::for_each(rays.size(), [&](std::size_t i) { order.ids[i] = static_cast<std::uint32_t>(i); });
-    CpuPrimitives::sort_pairs(values.data(), order.ids.data(), values.size());
+    order.ids = plain_sort<CpuPrimitives>(values.data(), values.size()), order.chunks = rays.size();
   }
   order.sort_seconds = seconds_since(start);
   return order;

@@ -54,9 +54,10 @@ struct PrimaryHits {
 // is closed. Any-hit queries: a hit means shadow.
 Result<RaySet> shadow_rays(const PrimaryHits& from, const LightDescription& light);
 
-// kSoftShadowSamples rays from every hit to random points in equal cells of the light, side by side.
+// `samples` rays from every hit to random points in equal cells of the light, side by side.
 inline constexpr std::uint32_t kSoftShadowSamples = 16;
-Result<RaySet> soft_shadow_rays(const PrimaryHits& from, const LightDescription& light, std::uint64_t seed = 1);
+Result<RaySet> soft_shadow_rays(const PrimaryHits& from, const LightDescription& light, std::uint64_t seed = 1,
+                                std::uint32_t samples = kSoftShadowSamples);
 
 // One bounce from every hit: cosine-weighted about the geometric normal that faces the viewer, unbounded.
 Result<RaySet> diffuse_rays(const PrimaryHits& from, std::uint64_t seed = 1);

@@ -25,7 +25,7 @@ using ClosestBrute = BruteForce<Watertight, Query::closest>;
 using AnyBrute = BruteForce<Watertight, Query::any>;
 
 constexpr SimtSchedule kSchedules[] = {SimtSchedule::while_while, SimtSchedule::if_if, SimtSchedule::speculative_while_while,
-                                       SimtSchedule::persistent_while_while};
+                                       SimtSchedule::persistent_while_while, SimtSchedule::if_while};
 
 // Hits nothing, by definition (core/ray.h).
 constexpr Ray kDeadRay{.org = {}, .dir = {0, 0, 0}};
@@ -192,7 +192,8 @@ TEST(Simt, HitsAreTheCpusInEveryScheduleAndMethod) {
 TEST(Simt, StepsAndBytesAreWhatTheRaysCost) {
   const Scene& scene = soup();
   const Counters counters = count_rays<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, 1);
-  for (const SimtSchedule schedule : {SimtSchedule::while_while, SimtSchedule::if_if, SimtSchedule::persistent_while_while}) {
+  for (const SimtSchedule schedule :
+       {SimtSchedule::while_while, SimtSchedule::if_if, SimtSchedule::persistent_while_while, SimtSchedule::if_while}) {
     const SimtProfile p = simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, {.schedule = schedule}, 1);
     EXPECT_EQ(p.rays, scene.rays.size());
     EXPECT_EQ(p.fetch.active_lanes, scene.rays.size());

@@ -41,6 +41,9 @@ TEST(CsdSort, IsAStableSort) {
                                         : 1 + std::inner_product(hashes.begin() + 1, hashes.end(), hashes.begin(), 0ul,
                                                                  std::plus(), std::not_equal_to());
       EXPECT_EQ(order.chunks, chunks);
+      const auto plain = plain_sort<CpuPrimitives>(hashes.data(), n);
+      EXPECT_TRUE(std::equal(plain.begin(), plain.end(), expected.begin(), expected.end()));
+      EXPECT_TRUE(std::is_sorted(hashes.begin(), hashes.end()));
     }
 }
 

@@ -112,6 +112,7 @@ TEST(SecondaryRays, BelongToThePixelsThatHit) {
     ++next;
   }
   EXPECT_EQ(next, hard->size());
+  EXPECT_EQ(soft_shadow_rays(picture.from(), light, 1, 4)->size(), 4 * hard->size());
 }
 
 TEST(ShadowRays, EndAtTheLight) {
