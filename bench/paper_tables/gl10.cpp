@@ -50,13 +50,13 @@ constexpr PaperTable kSponza = {{{721, 77, 30.8}, {610, 66, 31.4}, {557, 60, 31.
 // The ratios that the text gives.
 constexpr double kPaperSpeed = 3, kPaperCsd = 2, kPaperDepthFirst = 5, kPaperBinary = 2;
 
-// The paper's scenes, and two for its Fairy Forest, whose two views are also those of Figure 15.
+// The paper's scenes, and two rooms for its Fairy Forest, one of which stands for it in Figure 15, too.
 struct SceneFigures {
   PaperScene scene;
   const PaperTable* table;
   bool is_in_figure15;
 };
-constexpr SceneFigures kScenes[] = {{{"BART Kitchen", "bart-kitchen", "builtin:soup:20000"}, nullptr, true},
+constexpr SceneFigures kScenes[] = {{{"BART Kitchen", "bart-kitchen", "builtin:soup:20000"}, nullptr, false},
                                     {{"Bathroom", "bathroom", "builtin:slivers:20000"}, nullptr, true},
                                     {{"Conference", "conference", "builtin:stadium:100000"}, &kConference, false},
                                     {{"Sponza", "sponza", "builtin:colonnade:66454"}, &kSponza, false}};
@@ -194,23 +194,6 @@ Result<Comparison> compare(const std::string& name, const Tree& tree, std::span<
   for (int m = 0; m < kMethods; ++m) result.mrays[m] = mrays_of(rays.size(), median(times[m]));
   result.stages = medians(stages), result.counts = pipeline.counts();
   return result;
-}
-
-// Table 1 and Figure 12, of one run each.
-Status measure_grid(const TriangleMesh& mesh, std::span<const Ray> rays, const Settings& settings, SceneResult& result) {
-  const auto tree = make_paper_tree(mesh, settings.threads);
-  if (!tree) return tree.error();
-  Answers<Query::any> expected(rays.size()), answers(rays.size());
-  if (const Status s = trace(tree->stack, rays, expected, settings.threads); !s) return s;
-  for (std::size_t i = 0; i < kSizeCount; ++i)
-    for (std::size_t f = 0; f < kFractionCount; ++f) {
-      PacketPipeline<Query::any> pipeline(tree->view(), {.cell_fraction = kFractions[f], .max_size = kMaxSizes[i]});
-      if (const Status s = trace(pipeline, tree->view(), rays, answers, settings.threads); !s) return s;
-      if (!same(answers, expected))
-        return Error{"packets of " + print("%u", kMaxSizes[i]) + " rays change hits, which is a bug"};
-      result.grid[i][f] = {pipeline.counts(), mrays_of(rays.size(), 1e3 * pipeline.times().total())};
-    }
-  return Done{};
 }
 
 // Hashing included, of the keys of the pipeline.
@@ -363,8 +346,8 @@ Status measure_primary(const Tree& tree, const RaySet& primary, const Settings& 
   return run_model<Query::closest>(pipeline.localized(), tree.view(), result.localized[kPrimary], result.stack[kPrimary]);
 }
 
-Status measure_soft_shadows(const Tree& tree, const TriangleMesh& mesh, const PrimaryHits& from, const LightDescription& light,
-                            const Settings& settings, SceneResult& result) {
+Status measure_soft_shadows(const Tree& tree, const PrimaryHits& from, const LightDescription& light, const Settings& settings,
+                            SceneResult& result) {
   const auto soft = soft_shadows(from, light, 1, kSoftShadowSamples), points = soft_shadows(from, light, 1, 1);
   if (!soft) return soft.error();
   if (!points) return points.error();
@@ -386,7 +369,28 @@ Status measure_soft_shadows(const Tree& tree, const TriangleMesh& mesh, const Pr
     if (!sorts) return sorts.error();
     result.sorts[i] = *sorts;
   }
-  return measure_grid(mesh, soft->rays.span(), settings, result);
+  return Done{};
+}
+
+// Table 1 and Figure 12, of one run each.
+Status measure_grid(const TriangleMesh& mesh, const PrimaryHits& from, const LightDescription& light, const Settings& settings,
+                    SceneResult& result) {
+  const auto soft = soft_shadows(from, light, 1, kSoftShadowSamples);
+  if (!soft) return soft.error();
+  const std::span<const Ray> rays = soft->rays.span();
+  const auto tree = make_paper_tree(mesh, settings.threads);
+  if (!tree) return tree.error();
+  Answers<Query::any> expected(rays.size()), answers(rays.size());
+  if (const Status s = trace(tree->stack, rays, expected, settings.threads); !s) return s;
+  for (std::size_t i = 0; i < kSizeCount; ++i)
+    for (std::size_t f = 0; f < kFractionCount; ++f) {
+      PacketPipeline<Query::any> pipeline(tree->view(), {.cell_fraction = kFractions[f], .max_size = kMaxSizes[i]});
+      if (const Status s = trace(pipeline, tree->view(), rays, answers, settings.threads); !s) return s;
+      if (!same(answers, expected))
+        return Error{"packets of " + print("%u", kMaxSizes[i]) + " rays change hits, which is a bug"};
+      result.grid[i][f] = {pipeline.counts(), mrays_of(rays.size(), 1e3 * pipeline.times().total())};
+    }
+  return Done{};
 }
 
 // Primary rays, and what starts from them, come along a Z-curve, as in section 4.
@@ -404,7 +408,8 @@ Result<SceneResult> measure(const SceneFigures& figures, const Settings& setting
 
   SceneResult result{.is_stand_in = scene->is_stand_in};
   Status s = measure_primary(*tree, *primary, settings, result);
-  if (s) s = measure_soft_shadows(*tree, scene->data.mesh, from, light, settings, result);
+  if (s) s = measure_soft_shadows(*tree, from, light, settings, result);
+  if (s && figures.table != nullptr) s = measure_grid(scene->data.mesh, from, light, settings, result);
   if (s && figures.is_in_figure15) s = measure_figure15(*tree, from, light, settings, result);
   if (!s) return s.error();
   return result;
@@ -425,18 +430,17 @@ std::string table1(const std::vector<SceneResult>& results) {
   TextTable table(
       {"UCF, MaxSize", "leaves", "paper", "frustums", "paper", "leaves/frustum", "paper", "rays/warp", "paper", "Mrays/s"});
   for (std::size_t s = 0; s < results.size(); ++s) {
+    if (kScenes[s].table == nullptr) continue;
     table.add({title_of(results[s], s)});
-    const PaperTable* const paper = kScenes[s].table;
     for (std::size_t i = 0; i < kSizeCount; ++i)
       for (std::size_t f = 0; f < kFractionCount; ++f) {
         const auto& [counts, mrays] = results[s].grid[i][f];
-        const PaperCell* const cell = paper != nullptr ? &(*paper)[i][f] : nullptr;
-        const auto theirs = [&](double value) { return cell != nullptr ? number(value) : std::string(); };
+        const PaperCell& paper = (*kScenes[s].table)[i][f];
         table.add({print("  %g  %u", static_cast<double>(kFractions[f]), kMaxSizes[i]),
-                   number(per(kilo(counts.leaves), mega(counts.rays))), theirs(cell ? cell->leaves / kPaperMrays : 0),
-                   number(per(kilo(counts.frustums), mega(counts.rays))), theirs(cell ? cell->frustums / kPaperMrays : 0),
-                   number(per(counts.leaves, counts.frustums)), theirs(cell ? cell->leaves / cell->frustums : 0),
-                   number(per(counts.warp_rays, counts.warps)), theirs(cell ? cell->rays_per_warp : 0), number(mrays)});
+                   number(per(kilo(counts.leaves), mega(counts.rays))), number(paper.leaves / kPaperMrays),
+                   number(per(kilo(counts.frustums), mega(counts.rays))), number(paper.frustums / kPaperMrays),
+                   number(per(counts.leaves, counts.frustums)), number(paper.leaves / paper.frustums),
+                   number(per(counts.warp_rays, counts.warps)), number(paper.rays_per_warp), number(mrays)});
       }
   }
   return text + table.text();
@@ -575,16 +579,15 @@ void add_counts(const PipelineCounts& counts, Json& row) {
 }
 
 void add_grid_rows(std::size_t s, const SceneResult& r, Json& rows) {
+  if (kScenes[s].table == nullptr) return;
   for (std::size_t i = 0; i < kSizeCount; ++i)
     for (std::size_t f = 0; f < kFractionCount; ++f) {
       Json row = row_named(print("table 1/%g/%u", static_cast<double>(kFractions[f]), kMaxSizes[i]), s, r);
       add_counts(r.grid[i][f].counts, row);
       row["mrays_per_second"] = r.grid[i][f].mrays;
-      if (kScenes[s].table != nullptr) {
-        const PaperCell& paper = (*kScenes[s].table)[i][f];
-        row["paper_leaves"] = 1e3 * paper.leaves, row["paper_frustums"] = 1e3 * paper.frustums;
-        row["paper_rays_per_warp"] = paper.rays_per_warp;
-      }
+      const PaperCell& paper = (*kScenes[s].table)[i][f];
+      row["paper_leaves"] = 1e3 * paper.leaves, row["paper_frustums"] = 1e3 * paper.frustums;
+      row["paper_rays_per_warp"] = paper.rays_per_warp;
       rows.push_back(row);
     }
 }
