@@ -447,7 +447,8 @@ std::string table1(const std::vector<SceneResult>& results) {
 }
 
 std::string figure13(const std::vector<SceneResult>& results) {
-  std::string text = "\n" + paragraph("Figure 13: shares of the stages, to the letter, and nanoseconds per ray in all", 0, 2);
+  std::string text =
+      "\n" + paragraph("Figure 13: percentages of the stages, to the letter, and nanoseconds per ray in all", 0, 2);
   std::vector<std::string> titles = {"rays"};
   for (int s = 0; s < kPacketStages; ++s) titles.push_back(name_of(static_cast<PacketStage>(s)));
   titles.push_back("ns");
@@ -456,7 +457,7 @@ std::string figure13(const std::vector<SceneResult>& results) {
     table.add({title_of(results[s], s)});
     for (const Comparison& c : results[s].comparisons) {
       std::vector<std::string> row = {"  " + c.rays};
-      for (const double seconds : c.stages.seconds) row.push_back(print("%.1f %%", 100 * per(seconds, c.stages.total())));
+      for (const double seconds : c.stages.seconds) row.push_back(print("%.1f", 100 * per(seconds, c.stages.total())));
       row.push_back(number(per(1e9 * c.stages.total(), static_cast<double>(c.counts.rays))));
       table.add(row);
     }
@@ -499,11 +500,10 @@ std::string walk_table(const std::vector<SceneResult>& results) {
 std::string figures14_15(const std::vector<SceneResult>& results) {
   std::string text =
       "\n" + paragraph(
-                 "Figures 14 and 15: speeds as multiples of that of depth-first single rays (sbvh/stack); packets of the "
-                 "pipeline to the letter, UCF .004, MaxSize 256",
+                 "Figures 14 and 15: the speed of depth-first single rays (sbvh/stack) in Mrays/s, and that of packets as "
+                 "multiples of it, by sbvh/breadth-first and to the letter; the letter's frustums at UCF .004, MaxSize 256",
                  0, 2);
-  TextTable table(
-      {"rays", "M rays", "stack Mrays/s", "breadth-first", "to the letter", "paper", "rays/frustum", "leaves/frustum"});
+  TextTable table({"rays", "M rays", "stack", "breadth-first", "to the letter", "paper", "rays/frustum", "leaves/frustum"});
   for (std::size_t s = 0; s < results.size(); ++s) {
     table.add({title_of(results[s], s)});
     for (const Comparison& c : results[s].comparisons)
