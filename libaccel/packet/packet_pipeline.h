@@ -114,7 +114,11 @@ class PacketPipeline {
   void sort(StageClock& clock) {
     const std::size_t n = rays_.size();
     std::uint32_t* const keys = with_room<Primitives, std::uint32_t>(keys_, n);
-    Primitives::for_each(n, [=, this](std::size_t i) { keys[i] = face_of(rays_[i]) == kNoFace ? kNoKey : hash_(rays_[i]); });
+    std::uint8_t* const faces = with_room<Primitives, std::uint8_t>(faces_, n);
+    for_chunks(0, n, [&](std::size_t, std::size_t begin, std::size_t end) {
+      find_faces_simd(rays_.data() + begin, end - begin, faces + begin);
+      for (std::size_t i = begin; i < end; ++i) keys[i] = faces[i] == kNoFace ? kNoKey : hash_(rays_[i]);
+    });
     clock.lap(PacketStage::hash);
     order_ = csd_sort<Primitives>(std::as_const(keys), n, clock);
     counts_.chunks = order_.chunks;
@@ -215,7 +219,7 @@ class PacketPipeline {
   StageTimes times_;
   PipelineCounts counts_;
 
-  // Of the batch. Arrays by ray, in the order of ids: sorted_ and faces_.
+  // Of the batch. Arrays by ray, in the order of ids once that is known: sorted_ and faces_.
   std::span<const Ray> rays_;
   Buffer<std::uint32_t> keys_, sorted_;
   Buffer<std::uint8_t> faces_;
