@@ -456,7 +456,7 @@ std::string figure13(const std::vector<SceneResult>& results) {
   for (std::size_t s = 0; s < results.size(); ++s) {
     table.add({title_of(results[s], s)});
     for (const Comparison& c : results[s].comparisons) {
-      std::vector<std::string> row = {"  " + c.rays};
+      std::vector<std::string> row = {" " + c.rays};
       for (const double seconds : c.stages.seconds) row.push_back(print("%.1f", 100 * per(seconds, c.stages.total())));
       row.push_back(number(per(1e9 * c.stages.total(), static_cast<double>(c.counts.rays))));
       table.add(row);
