@@ -1,16 +1,13 @@
 // The tables of the papers, ours beside the paper's.
 //
-//   paper_tables [PAPER]... [--scenes DIR] [--size N] [--repeat N] [--threads N] [--json FILE|-]
-//
-// PAPER is fs05 (Foley and Sugerman 2005), gl10 (Garanzha and Loop 2010) or bk16 (Binder and Keller 2016); without one, all of
-// them. DIR holds the papers' scenes (default ../shared/scenes); where one is missing, a built-in scene of comparable kind
-// stands in, and the report says so. Tables go to stdout, messages to stderr; the JSON has Google Benchmark's shape.
+// --help says what it takes. Tables go to stdout, messages to stderr; the JSON has Google Benchmark's shape.
 //
 // Exit status: 0 ok, 1 error, 2 usage.
 #include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <span>
 #include <string_view>
 
 #include "bench/paper_tables/paper_tables.h"
@@ -19,6 +16,22 @@
 
 namespace accel::paper_tables {
 namespace {
+
+constexpr const char* kHelp =
+    R"(paper_tables [PAPER]... [--scenes DIR] [--size N] [--repeat N] [--threads N] [--json FILE|-]
+
+Prints the tables of papers, ours beside the paper's. PAPER is
+  fs05  Foley and Sugerman 2005: kd-trees
+  gl10  Garanzha and Loop 2010: ray sorting and packets
+  bk16  Binder and Keller 2016: backtracking by hash
+and without one, all of them.
+
+  --scenes DIR   holds the papers' scenes (../shared/scenes); built-in ones of comparable kind stand in for missing ones
+  --size N       pixels of a picture's side
+  --repeat N     of everything that is timed; medians count
+  --threads N    of all methods
+  --json FILE|-  all figures, too
+)";
 
 struct Paper {
   std::string_view name;
@@ -82,6 +95,8 @@ bool write_json(const std::string& path, const Json& json) {
 }
 
 int run(int argc, char** argv) {
+  for (const std::string_view argument : std::span(argv, static_cast<std::size_t>(argc)))
+    if (argument == "--help") return std::cout << kHelp, 0;
   const Result<Arguments> arguments = parse(argc, argv);
   if (!arguments) return std::cerr << "error: " << arguments.message() << '\n', 2;
   const Settings& settings = arguments->settings;
