@@ -117,7 +117,8 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->type_name("MODEL,...")
       ->group("Measuring and checking");
   app.add_option("--schedule", raw.schedule,
-                 "warps: while-while, if-if, speculative, persistent or if-while [while-while];\n"
+                 "warps: while-while, if-if, if-while, speculative or persistent\n"
+                 "[while-while];\n"
                  "passes: delany, largest-first or drain [delany]")
       ->type_name("NAME,...")
       ->group("Measuring and checking");
