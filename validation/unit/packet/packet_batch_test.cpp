@@ -52,7 +52,7 @@ void expect_single_rays_answers(const Bvh2View& view, const std::vector<Ray>& ra
   trace_closest<Bvh2Stack<Test, Query::closest>>(view, rays, expected, 1);
   trace_any<Bvh2Stack<Test, Query::any>>(view, rays, blocked, 1);
   const auto hits = traced<Primitives, Test, Query::closest, Hit>(view, rays, options, singly);
-  EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
+  EXPECT_TRUE(hits.empty() || std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)) == 0);
   EXPECT_EQ((traced<Primitives, Test, Query::any, std::uint8_t>(view, rays, options, singly)), blocked);
 }
 
