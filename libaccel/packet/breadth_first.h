@@ -156,7 +156,6 @@ class BreadthFirst {
     return Primitives::exclusive_scan(marks, n, marks);
   }
 
-
  private:
   Queue in_, out_;
   Array<std::uint8_t> masks_;

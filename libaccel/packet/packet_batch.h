@@ -1,5 +1,5 @@
 // Batches of rays as packets, stage by stage over the whole batch: the pipeline of Garanzha and Loop 2010 [GL10] as it runs on
-// devices, where a batch has millions of rays. packet/bvh2_breadth_first.h is its twin for the caches of CPUs.
+// devices, where a batch has millions of rays. packet/packet_tracer.h is its twin for the caches of CPUs.
 //
 //   order_rays         values of packet/ray_hash.h, sorted by packet/csd_sort.h                    [GL10] section 3.1
 //   make_packets       packet/packet_ranges.h                                                       section 3.1, Fig. 6
@@ -23,9 +23,9 @@
 #include <utility>
 
 #include "libaccel/packet/breadth_first.h"
-#include "libaccel/packet/bvh2_breadth_first.h"
 #include "libaccel/packet/csd_sort.h"
 #include "libaccel/packet/localized.h"
+#include "libaccel/packet/packet_options.h"
 #include "libaccel/packet/packet_ranges.h"
 #include "libaccel/packet/ray_hash.h"
 
@@ -174,12 +174,12 @@ void PacketBatch<Primitives>::make_frustums() {
   const Ray* const rays = rays_;
   const Aabb bounds = view_.bounds;
   const float widest = widest_;
-  const std::uint32_t budget = options_.budget;
+  const float budget = options_.budget;
   Primitives::for_each(frustum_count_, [=] ACCEL_HD_LAMBDA(std::size_t f) {
     const std::uint32_t first = base[packets[f]], size = base[packets[f] + 1] - first;
     frustums[f] = make_frustum(faces[first], size, RaysByIds{rays, ids + first}, bounds);
     // Frustums that are too wide to begin with give up at once.
-    budgets[f] = frustums[f].width() <= widest ? budget * size : 0;
+    budgets[f] = frustums[f].width() <= widest ? budget_for(budget, size) : 0;
   });
 }
 

@@ -3,7 +3,7 @@
 //
 //   hash -> compression, sort, decompression -> packet ranges -> frustums -> breadth-first traversal -> localized intersection
 //
-// It is what the paper's figures are measured with. For speed there is packet/bvh2_breadth_first.h, which takes blocks of rays
+// It is what the paper's figures are measured with. For speed there is packet/packet_tracer.h, which takes blocks of rays
 // that fit the caches through most of these stages, and sorts only where that pays.
 //
 // Hash values have 32 bits, as in [GL10]: 9 bits of the origin's cell for each axis and the face, so that packets do not mix
@@ -25,13 +25,12 @@
 #include <utility>
 #include <vector>
 
-#include "libaccel/packet/breadth_first.h"
 #include "libaccel/packet/cpu_primitives.h"
 #include "libaccel/packet/csd_sort.h"
 #include "libaccel/packet/culling_simd.h"
 #include "libaccel/packet/frustums_simd.h"
 #include "libaccel/packet/localized_simd.h"
-#include "libaccel/packet/packet_ranges.h"
+#include "libaccel/packet/packet_set.h"
 #include "libaccel/packet/ray_hash.h"
 #include "libaccel/packet/stage_clock.h"
 
@@ -87,9 +86,9 @@ class PacketPipeline {
     clock.lap(PacketStage::ranges);
     make_frustums();
     clock.lap(PacketStage::frustums);
-    const auto& leaves = traverse();
+    find_leaves();
     clock.lap(PacketStage::traversal);
-    intersect(leaves, answers.data());
+    intersect(answers.data());
     clock.lap(PacketStage::localized);
     trace_the_rest(answers.data(), trace_singly);
     clock.lap(PacketStage::rest);
@@ -98,12 +97,8 @@ class PacketPipeline {
   // Of the last batch; what they refer to is valid until the next one.
   const StageTimes& times() const { return times_; }
   const PipelineCounts& counts() const { return counts_; }
-  const std::vector<Frustum>& frustums() const { return frustums_; }
-  LocalizedBatch localized() const {
-    LocalizedBatch batch = batch_of(active_);
-    batch.frustums = active_frustums_.data(), batch.firsts = firsts_.data(), batch.places = places_;
-    return batch;
-  }
+  const std::vector<Frustum>& frustums() const { return packets_.frustums(); }
+  LocalizedBatch localized() const { return packets_.active(view_, rays_.data(), order_.ids.data()); }
 
  private:
   using Primitives = CpuPrimitives;
@@ -133,43 +128,32 @@ class PacketPipeline {
       sorted[i] = keys[ids[i]];
       faces[i] = static_cast<std::uint8_t>(sorted[i] == kNoKey ? kNoFace : sorted[i] >> 2 * kDirectionBits & 7u);
     });
-    ranges_ = packet_ranges<Primitives>(std::as_const(sorted), n, options_.max_size);
-    packets_.clear();
-    for (std::uint32_t p = 0; p < ranges_.count; ++p) {
-      const std::uint32_t first = ranges_.base[p], size = ranges_.base[p + 1] - first;
-      if (view_.octo_count > 0 && faces[first] != kNoFace && size >= options_.min_size) packets_.push_back(p);
-    }
-    counts_.frustums = packets_.size();
+    // Without octo nodes no packet takes part.
+    const std::uint32_t min_size = view_.octo_count > 0 ? options_.min_size : options_.max_size + 1;
+    packets_.cut(std::as_const(sorted), faces, n, options_.max_size, min_size);
+    counts_.frustums = packets_.count();
   }
 
   void make_frustums() {
-    frustums_.resize(packets_.size());
-    for_packets(batch_of(packets_), [this](const LocalizedBatch& part, std::size_t begin) {
-      make_frustums_simd(part, faces_.data(), view_.bounds, frustums_.data() + begin);
+    for_packets(packets_.batch(view_, rays_.data(), order_.ids.data()), [this](const LocalizedBatch& part, std::size_t begin) {
+      make_frustums_simd(part, faces_.data(), view_.bounds, packets_.frustums().data() + begin);
     });
   }
 
-  const FrustumQueue<Primitives>& traverse() {
-    std::uint32_t* const budgets = with_room<Primitives, std::uint32_t>(budgets_, frustums_.size());
-    std::uint8_t* const gave_up = with_room<Primitives, std::uint8_t>(gave_up_, frustums_.size());
-    Primitives::for_each(frustums_.size(), [=, this](std::size_t f) { budgets[f] = options_.budget; });
-    return traversal_.run(view_, frustums_.data(), frustums_.size(), budgets, gave_up);
+  void find_leaves() {
+    packets_.find_leaves(traversal_, view_, [this](std::size_t) { return options_.budget; });
+    counts_.leaves = packets_.leaf_count();
   }
 
-  // The packets whose frustums meet anything, with the leaves that they meet: [GL10], end of section 3.3; and section 3.4.
-  void intersect(const FrustumQueue<Primitives>& leaves, Answer* answers) {
+  // [GL10], section 3.4.
+  void intersect(Answer* answers) {
     Primitives::for_each(rays_.size(), [=](std::size_t i) { answers[i] = Answer{}; });
-    const auto active = detail::compress<Primitives>(leaves.frustum.data(), leaves.count);
-    active_.clear(), firsts_.clear(), active_frustums_.clear();
-    for (std::size_t i = 0; i < active.count; ++i) {
-      const std::uint32_t f = active.hash[i], p = packets_[f], size = ranges_.base[p + 1] - ranges_.base[p];
-      active_.push_back(p), active_frustums_.push_back(frustums_[f]), firsts_.push_back(active.base[i]);
+    const LocalizedBatch batch = localized();
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const std::uint32_t size = batch.packets[batch.active[i] + 1] - batch.packets[batch.active[i]];
       counts_.warps += (size + 31) / 32, counts_.warp_rays += size;
     }
-    firsts_.push_back(static_cast<std::uint32_t>(leaves.count));
-    places_ = leaves.place.data();
-    counts_.leaves = leaves.count;
-    for_packets(localized(), [=](const LocalizedBatch& part, std::size_t) {
+    for_packets(batch, [=](const LocalizedBatch& part, std::size_t) {
       if constexpr (kQuery == Query::closest)
         intersect_watertight_simd(part, answers);
       else
@@ -181,25 +165,11 @@ class PacketPipeline {
   template <class TraceSingly>
   void trace_the_rest(Answer* answers, const TraceSingly& trace_singly) {
     rest_.clear();
-    std::size_t next = 0;
-    for (std::uint32_t p = 0; p < ranges_.count; ++p) {
-      const bool has_frustum = next < packets_.size() && packets_[next] == p;
-      if (!has_frustum || gave_up_[next] != 0)
-        rest_.insert(rest_.end(), order_.ids.begin() + ranges_.base[p], order_.ids.begin() + ranges_.base[p + 1]);
-      next += has_frustum ? 1 : 0;
-    }
+    packets_.for_each_left([this](std::uint32_t first, std::uint32_t end) {
+      rest_.insert(rest_.end(), order_.ids.begin() + first, order_.ids.begin() + end);
+    });
     counts_.alone = rest_.size();
     Primitives::for_each(rest_.size(), [&](std::size_t i) { store_answer(trace_singly(rays_[rest_[i]]), answers[rest_[i]]); });
-  }
-
-  LocalizedBatch batch_of(const std::vector<std::uint32_t>& packets) const {
-    return {.nodes = view_.octo,
-            .leaves = view_.leaves,
-            .rays = rays_.data(),
-            .ids = order_.ids.data(),
-            .packets = ranges_.base.data(),
-            .active = packets.data(),
-            .count = packets.size()};
   }
 
   // body(part, begin) for parts of the batch, from packet `begin` on, concurrently.
@@ -224,15 +194,9 @@ class PacketPipeline {
   Buffer<std::uint32_t> keys_, sorted_;
   Buffer<std::uint8_t> faces_;
   CsdOrder<Primitives> order_;
-  PacketRanges<Primitives> ranges_;
-  std::vector<std::uint32_t> packets_;  // of the frustums
-  std::vector<Frustum> frustums_;
-  Buffer<std::uint32_t> budgets_;
-  Buffer<std::uint8_t> gave_up_;
+  PacketSet<Primitives> packets_;
   BreadthFirst<Primitives, ParallelSimdCulling> traversal_;
-  std::vector<std::uint32_t> active_, firsts_, rest_;  // see LocalizedBatch
-  std::vector<Frustum> active_frustums_;
-  const std::uint32_t* places_ = nullptr;
+  std::vector<std::uint32_t> rest_;  // rays
 };
 
 }  // namespace accel

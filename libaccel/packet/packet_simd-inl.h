@@ -48,14 +48,8 @@ struct alignas(64) Packet {
   int kx, ky, kz;             // as in Watertight::RayData
 };
 
-template <class Vector>
-HWY_INLINE float least_lane(Vector v) {
-  return hn::GetLane(hn::MinOfLanes(kFloats, v));
-}
-template <class Vector>
-HWY_INLINE float most_lane(Vector v) {
-  return hn::GetLane(hn::MaxOfLanes(kFloats, v));
-}
+HWY_INLINE float least_lane(Floats v) { return hn::GetLane(hn::MinOfLanes(kFloats, v)); }
+HWY_INLINE float most_lane(Floats v) { return hn::GetLane(hn::MaxOfLanes(kFloats, v)); }
 
 // A vector of rays.
 struct RayLanes {

@@ -7,10 +7,12 @@
 
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/moeller_trumbore.h"
+#include "libaccel/geometry/watertight.h"
 #include "libaccel/packet/cpu_primitives.h"
 #include "libaccel/packet/serial_primitives.h"
 #include "libaccel/rays/camera.h"
 #include "libaccel/rays/ray_sets.h"
+#include "libaccel/trace/bvh2_stack.h"
 #include "validation/unit/packet/packets_of_rays.h"
 
 namespace accel {

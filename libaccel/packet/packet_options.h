@@ -1,0 +1,26 @@
+// What packets are made of, for all who trace batches of rays as packets.
+#pragma once
+
+#include <cstdint>
+
+#include "libaccel/core/float_bounds.h"
+#include "libaccel/core/hd.h"
+
+namespace accel {
+
+struct PacketOptions {
+  std::uint32_t max_size = 256;      // rays a packet, 1 to kMaxPacketSize; [GL10] section 5.1
+  std::uint32_t min_size = 8;        // smaller packets are traced ray by ray
+  std::uint32_t block_size = 32768;  // rays
+  float cell_fraction = 0.004f;      // of the hash; [GL10] section 5.1
+  float max_width = 0.25f;           // of a frustum, as a share of the scene's longest side
+  float budget = 2;                  // pairs in the queue per ray of a frustum
+};
+
+// What the frustum of so many rays may have in the queue.
+ACCEL_HD std::uint32_t budget_for(float budget, std::uint32_t rays) {
+  constexpr float kMost = 4294967040.0f;  // the largest float below 2^32
+  return static_cast<std::uint32_t>(min_of(budget * static_cast<float>(rays), kMost));
+}
+
+}  // namespace accel

@@ -1,0 +1,190 @@
+// Triangles against groups of rays, one ray in each SIMD lane: the operations of geometry/watertight.h, hence its hits, bit for
+// bit. The guard lets the header through once for each target that Highway compiles.
+#if defined(ACCEL_WATERTIGHT_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ACCEL_WATERTIGHT_SIMD_INL_H
+#undef ACCEL_WATERTIGHT_SIMD_INL_H
+#else
+#define ACCEL_WATERTIGHT_SIMD_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cstdint>
+
+#include "libaccel/geometry/watertight.h"
+#include "libaccel/packet/packet_simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace accel {
+namespace HWY_NAMESPACE {
+namespace {
+
+const hn::Half<decltype(kFloats)> kHalfFloats;
+const hn::Rebind<double, decltype(kHalfFloats)> kDoubles;
+using Doubles = decltype(hn::Zero(kDoubles));
+
+// What all tests of the rays share, after load_rays(). All rays run along the axis.
+HWY_INLINE void prepare_rays(int axis, Packet& p) {
+  p.kz = axis, p.kx = (axis + 1) % 3, p.ky = (axis + 2) % 3;
+  for (std::uint32_t i = 0; i < p.lanes; i += static_cast<std::uint32_t>(hn::Lanes(kFloats))) {
+    for (int a = 0; a < 3; ++a) hn::Store(hn::Div(set(1), load(p.dir[a] + i)), kFloats, p.inv[a] + i);
+    const Floats dir_z = load(p.dir[p.kz] + i);
+    hn::Store(hn::Div(load(p.dir[p.kx] + i), dir_z), kFloats, p.shear_x + i);
+    hn::Store(hn::Div(load(p.dir[p.ky] + i), dir_z), kFloats, p.shear_y + i);
+    hn::Store(hn::Set(kWords, kNoHit), kWords, p.prim_id + i);
+  }
+}
+
+// What locate() finds, and which vertices it takes, a ray each.
+struct alignas(64) Located {
+  float vertex[3][16], lowest[16], highest[16];
+  float t[16], within[16];  // within: 1 or 0
+};
+
+// Watertight::plane_distance() and where it lies, in double, for as many rays as there are doubles in a vector.
+HWY_INLINE void locate_part(const Packet& p, std::uint32_t i, const double normal[3], std::uint32_t part, Located& located) {
+  const auto promote = [](const float* from) { return hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, from)); };
+  Doubles above = hn::Zero(kDoubles), below = above;
+  for (int a = 0; a < 3; ++a) {
+    const Doubles n = hn::Set(kDoubles, normal[a]);
+    const Doubles s = hn::Mul(n, hn::Sub(promote(located.vertex[a] + part), promote(p.org[a] + i + part)));
+    const Doubles d = hn::Mul(n, promote(p.dir[a] + i + part));
+    above = a == 0 ? s : hn::Add(above, s);
+    below = a == 0 ? d : hn::Add(below, d);
+  }
+  const Doubles t = hn::Div(above, below), depth = hn::Mul(t, promote(p.dir[p.kz] + i + part));
+  const auto within = hn::And(hn::Ge(depth, promote(located.lowest + part)), hn::Le(depth, promote(located.highest + part)));
+  const Doubles flag = hn::IfThenElse(within, hn::Set(kDoubles, 1.0), hn::Zero(kDoubles));
+  hn::Store(hn::DemoteTo(kHalfFloats, t), kHalfFloats, located.t + part);
+  hn::Store(hn::DemoteTo(kHalfFloats, flag), kHalfFloats, located.within + part);
+}
+
+// Of the nearest of three vertices by Watertight::nearest_vertex().
+HWY_INLINE void nearest_vertex(const PackedTriangle& triangle, const Floats org[3], Floats vertex[3]) {
+  Floats d[3];
+  for (int i = 0; i < 3; ++i) {
+    Floats far = hn::Abs(hn::Sub(set(triangle.axis[0].vertex[i]), org[0]));
+    far = most(far, hn::Abs(hn::Sub(set(triangle.axis[1].vertex[i]), org[1])));
+    d[i] = most(far, hn::Abs(hn::Sub(set(triangle.axis[2].vertex[i]), org[2])));
+  }
+  const Mask second = hn::Lt(d[1], d[0]), third = hn::Lt(d[2], least(d[1], d[0]));
+  for (int a = 0; a < 3; ++a) {
+    const float* const v = triangle.axis[a].vertex;
+    vertex[a] = hn::IfThenElse(third, set(v[2]), hn::IfThenElse(second, set(v[1]), set(v[0])));
+  }
+}
+
+// Of the plane, as Watertight::plane_distance() has it.
+HWY_INLINE void find_normal(const PackedTriangle& triangle, double normal[3]) {
+  double e1[3], e2[3];
+  for (int a = 0; a < 3; ++a) {
+    const float* const v = triangle.axis[a].vertex;
+    const double v0 = v[0];
+    e1[a] = v[1] - v0, e2[a] = v[2] - v0;
+  }
+  normal[0] = e1[1] * e2[2] - e1[2] * e2[1];
+  normal[1] = e1[2] * e2[0] - e1[0] * e2[2];
+  normal[2] = e1[0] * e2[1] - e1[1] * e2[0];
+}
+
+struct Projected {
+  Floats z[3], edge[3];
+};
+
+// Watertight::locate(): t.
+HWY_INLINE Floats locate(const Packet& p, std::uint32_t i, const PackedTriangle& triangle, const Projected& projected,
+                         Floats b0, Floats u, Floats v) {
+  Floats org[3], vertex[3];
+  for (int a = 0; a < 3; ++a) org[a] = load(p.org[a] + i);
+  nearest_vertex(triangle, org, vertex);
+  double normal[3];
+  find_normal(triangle, normal);
+  const Floats* const z = projected.z;
+  const Floats nearest = least(least(z[0], z[1]), z[2]), farthest = most(most(z[0], z[1]), z[2]);
+  const Floats rounding = set(kUnitRoundoff * 2);
+  Located located;
+  for (int a = 0; a < 3; ++a) hn::Store(vertex[a], kFloats, located.vertex[a]);
+  hn::Store(hn::Sub(nearest, hn::Mul(rounding, hn::Abs(nearest))), kFloats, located.lowest);
+  hn::Store(hn::Add(farthest, hn::Mul(rounding, hn::Abs(farthest))), kFloats, located.highest);
+  for (std::uint32_t part = 0; part < hn::Lanes(kFloats); part += static_cast<std::uint32_t>(hn::Lanes(kDoubles)))
+    locate_part(p, i, normal, part, located);
+
+  const Mask within = hn::Gt(load(located.within), hn::Zero(kFloats));
+  if (HWY_LIKELY(hn::AllTrue(kFloats, within))) return load(located.t);
+  const Floats depth = hn::Add(hn::Add(hn::Mul(b0, z[0]), hn::Mul(u, z[1])), hn::Mul(v, z[2]));
+  return hn::IfThenElse(within, load(located.t), hn::Div(depth, load(p.dir[p.kz] + i)));
+}
+
+// Rays for which an edge function is zero, by the test of single rays. Returns how many have been answered.
+template <Query kQuery>
+HWY_NOINLINE std::uint32_t intersect_singly(Packet& p, std::uint32_t first, Mask mask, const PackedTriangle& triangle) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(kFloats, mask, bits);
+  std::uint32_t answered = 0;
+  for (std::uint32_t rest = bits[0] | bits[1] << 8; rest != 0; rest &= rest - 1) {
+    const std::uint32_t i = first + static_cast<std::uint32_t>(std::countr_zero(rest));
+    const Ray& ray = p.rays[i];
+    Hit candidate, hit{p.t[i], p.u[i], p.v[i], p.prim_id[i]};
+    if (!Watertight::intersect(triangle, ray, Watertight::prepare(ray), candidate)) continue;
+    candidate.prim_id = triangle.prim_id();
+    if (!accept_hit(candidate, p.t_min[i], hit)) continue;
+    p.t[i] = kQuery == Query::any ? -kInfinity : hit.t;
+    p.u[i] = hit.u, p.v[i] = hit.v, p.prim_id[i] = hit.prim_id;
+    ++answered;
+  }
+  return answered;
+}
+
+// A triangle against the group from lane i on: its rays of the mask. Returns how many have a new answer.
+template <Query kQuery>
+HWY_INLINE std::uint32_t intersect_group(Packet& p, std::uint32_t i, Mask mask, const PackedTriangle& triangle) {
+  const PackedTriangle::Quad *const axis = triangle.axis, &qx = axis[p.kx], &qy = axis[p.ky], &qz = axis[p.kz];
+  const Floats org_x = load(p.org[p.kx] + i), org_y = load(p.org[p.ky] + i), org_z = load(p.org[p.kz] + i);
+  const Floats shear_x = load(p.shear_x + i), shear_y = load(p.shear_y + i);
+  Projected projected;
+  Floats x[3], y[3];
+  for (int k = 0; k < 3; ++k) {
+    const Floats z = hn::Sub(set(qz.vertex[k]), org_z);
+    projected.z[k] = z;
+    x[k] = hn::Sub(hn::Sub(set(qx.vertex[k]), org_x), hn::Mul(shear_x, z));
+    y[k] = hn::Sub(hn::Sub(set(qy.vertex[k]), org_y), hn::Mul(shear_y, z));
+  }
+  Floats* const e = projected.edge;
+  e[0] = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
+  e[1] = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
+  e[2] = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
+
+  const Floats zero = hn::Zero(kFloats);
+  const Mask not_negative = hn::And(hn::And(hn::Ge(e[0], zero), hn::Ge(e[1], zero)), hn::Ge(e[2], zero));
+  const Mask not_positive = hn::And(hn::And(hn::Le(e[0], zero), hn::Le(e[1], zero)), hn::Le(e[2], zero));
+  const Mask inside = hn::And(hn::Or(not_negative, not_positive), mask);
+  if (HWY_LIKELY(hn::AllFalse(kFloats, inside))) return 0;
+
+  const Mask on_edge = hn::And(inside, hn::Or(hn::Or(hn::Eq(e[0], zero), hn::Eq(e[1], zero)), hn::Eq(e[2], zero)));
+  std::uint32_t answered = 0;
+  if (HWY_UNLIKELY(!hn::AllFalse(kFloats, on_edge))) answered = intersect_singly<kQuery>(p, i, on_edge, triangle);
+
+  const Floats det = hn::Add(hn::Add(e[0], e[1]), e[2]);
+  const Floats b0 = hn::Div(e[0], det), u = hn::Div(e[1], det), v = hn::Div(e[2], det);
+  const Floats t = locate(p, i, triangle, projected, b0, u, v), best = load(p.t + i);
+  const Words prim_id = hn::Load(kWords, p.prim_id + i), candidate = hn::Set(kWords, triangle.prim_id());
+  const Mask is_lower = hn::RebindMask(kFloats, hn::Lt(candidate, prim_id));
+  Mask accepted = hn::And(hn::AndNot(on_edge, inside), hn::Ge(t, load(p.t_min + i)));
+  accepted = hn::And(accepted, hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower)));
+  if (hn::AllFalse(kFloats, accepted)) return answered;
+  hn::Store(hn::IfThenElse(accepted, kQuery == Query::any ? set(-kInfinity) : t, best), kFloats, p.t + i);
+  hn::Store(hn::IfThenElse(hn::RebindMask(kWords, accepted), candidate, prim_id), kWords, p.prim_id + i);
+  if constexpr (kQuery == Query::closest) {
+    hn::Store(hn::IfThenElse(accepted, u, load(p.u + i)), kFloats, p.u + i);
+    hn::Store(hn::IfThenElse(accepted, v, load(p.v + i)), kFloats, p.v + i);
+  }
+  return answered + static_cast<std::uint32_t>(hn::CountTrue(kFloats, accepted));
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace accel
+HWY_AFTER_NAMESPACE();
+
+#endif
