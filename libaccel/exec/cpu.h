@@ -13,6 +13,7 @@
 #include <span>
 
 #include "libaccel/core/threads.h"
+#include "libaccel/exec/batch_traverser.h"
 #include "libaccel/exec/counters.h"
 #include "libaccel/exec/drive.h"
 
@@ -36,19 +37,6 @@ void for_each_block(std::size_t count, int threads, const Body& body, std::size_
   tbb::task_arena arena(arena_size(threads));
   arena.execute(run);
 }
-
-namespace detail {
-struct TraceSingly {
-  Hit operator()(const Ray&) const;
-};
-}  // namespace detail
-
-// A traverser that traces batches in its own way: `Batch<F>` is a class that is made of a view, its Options, and a function
-// that traces a single ray, and has trace(rays, answers). See packet/bvh2_breadth_first.h.
-template <class Traverser>
-concept BatchTraverser = requires {
-  typename Traverser::template Batch<detail::TraceSingly>;
-};
 
 // Block by block: each task has its own buffers. May throw std::bad_alloc.
 template <class Traverser, class Answer>

@@ -14,7 +14,7 @@ struct PacketOptions {
   std::uint32_t block_size = 32768;  // rays
   float cell_fraction = 0.004f;      // of the hash; [GL10] section 5.1
   float max_width = 0.25f;           // of a frustum, as a share of the scene's longest side
-  float budget = 2;                  // pairs in the queue per ray of a frustum
+  float budget = 0.5f;               // pairs in the queue per ray of a frustum
 };
 
 // What the frustum of so many rays may have in the queue.

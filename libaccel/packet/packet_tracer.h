@@ -56,10 +56,12 @@ class PacketTracer {
 
   // May throw std::bad_alloc.
   void trace(std::span<const Ray> rays, std::span<Answer> answers) {
-    for (std::size_t first = 0; first < rays.size(); first += options_.block_size) {
-      const std::size_t n = std::min<std::size_t>(rays.size() - first, options_.block_size);
+    for (std::size_t first = 0; first < rays.size(); first += rays_.size()) {
+      const bool is_trial = blocks_++ == next_trial_;
+      const std::uint32_t most = is_trial ? std::min(options_.block_size, kTrialSize) : options_.block_size;
+      const std::size_t n = std::min<std::size_t>(rays.size() - first, most);
       rays_ = rays.subspan(first, n), answers_ = answers.subspan(first, n);
-      trace_block();
+      trace_block(is_trial);
     }
   }
 
@@ -70,18 +72,14 @@ class PacketTracer {
   // How blocks begin; what is left goes the next way.
   enum class Way : std::uint8_t { frustums, groups, singly };
 
-  // What BlockOrder sorts by, and a factor on the widths of frustums for what that costs.
-  struct Order {
-    std::uint32_t run;
-    double cost;
-  };
-  static constexpr std::array<Order, 3> kOrders = {{{0, 1}, {8, 1.1}, {1, 1.7}}};
   static constexpr std::uint32_t kBlocksPerTrial = 8, kMostBlocksPerTrial = 64;
-  // A step of a group costs as much as some three steps of single rays.
-  static constexpr std::uint64_t kLeastRaysInStep = 3;
+  static constexpr std::uint32_t kTrialSize = 8192;
+  static constexpr double kCostOfRuns = 1.1;  // of sorting by them, as a factor on the widths of frustums
+  // A step of a group costs as much as some two steps of single rays, and more where all rays are sorted.
+  static constexpr std::uint64_t kLeastRaysInStep = 2, kLeastSortedRaysInStep = 3;
+  static constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by their frustums
 
-  void trace_block() {
-    const bool is_trial = blocks_++ == next_trial_;
+  void trace_block(bool is_trial) {
     if (view_.octo_count == 0 || (way_ == Way::singly && !is_trial)) {
       for (std::size_t i = 0; i < rays_.size(); ++i) trace_singly(i);
       return;
@@ -103,30 +101,30 @@ class PacketTracer {
   // Traces a block in the way that the next ones take, too.
   void find_way() {
     const auto before = std::pair(way_, run_);
-    way_ = Way::frustums;
-    find_order(options_.max_size);
-    trace_frustums();
-    if (4 * order_.ids().size() > 3 * rays_.size()) {
-      way_ = kHasGroups ? Way::groups : Way::singly;
-      if (kHasGroups) find_order(rays_per_group());
+    if (const double as_they_come = width_by(0); width_by(run_ = 8) * kCostOfRuns > as_they_come) order_.sort(run_ = 0);
+    if (!trace_by_packets(kLeastRaysInStep)) {
+      order_.sort(run_ = 1);
+      trace_by_packets(kLeastSortedRaysInStep);
     }
-    const GroupWork work = trace_groups();
-    if (way_ == Way::groups && work.rays < kLeastRaysInStep * work.nodes) way_ = Way::singly;
     trial_distance_ = std::pair(way_, run_) == before ? std::min(2 * trial_distance_, kMostBlocksPerTrial) : kBlocksPerTrial;
     next_trial_ += trial_distance_;
   }
 
-  // Sorts the block in the way that makes the narrowest frustums for packets of a size, and remembers it.
-  void find_order(std::uint32_t packet_size) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Order& order : kOrders) {
-      order_.sort(order.run);
-      cut(packet_size);
-      make_frustums();
-      const double cost = total_width() * order.cost;
-      if (cost < least) least = cost, run_ = order.run;
-    }
-    if (run_ != kOrders.back().run) order_.sort(run_);
+  // Sorts by runs of so many rays (packet/block_order.h). Returns the width of frustums.
+  double width_by(std::uint32_t run) {
+    order_.sort(run);
+    cut(std::min(options_.max_size, kComparedSize));
+    make_frustums();
+    return total_width();
+  }
+
+  // In the order that is, in whatever way is of use. Returns false if that is singly.
+  bool trace_by_packets(std::uint64_t least_rays_in_step) {
+    trace_frustums();
+    way_ = 4 * order_.ids().size() > 3 * rays_.size() ? Way::groups : Way::frustums;
+    const GroupWork work = trace_groups();
+    if (way_ == Way::groups && work.rays < least_rays_in_step * work.nodes) way_ = Way::singly;
+    return way_ != Way::singly;
   }
 
   // Of all rays' frustums; those without one count as if they had the widest that is of use.

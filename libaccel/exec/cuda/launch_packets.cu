@@ -13,6 +13,8 @@ namespace {
 // Of the device's memory, for a ray of a block: see packet/packet_batch.h, and what sorts need.
 constexpr std::size_t kBytesPerRay = 256;
 constexpr std::size_t kSmallestBlock = 1u << 16;
+// Pairs in the queue per ray of a frustum. More than on CPUs, which have groups of rays for what gives up.
+constexpr float kBudget = 2;
 
 // As many rays as are asked for, fewer where memory is short.
 Result<std::uint32_t> block_size_for(std::uint32_t wanted) {
@@ -30,6 +32,7 @@ Status launch_in_blocks(const Bvh2View& view, const Launch& launch, Answer* answ
   if (!block_size) return block_size.error();
   PacketOptions options;
   options.block_size = *block_size;
+  options.budget = kBudget;
   const auto trace_singly = [&](const Ray* rays, const std::uint32_t* ids, std::size_t count, Answer* block_answers) {
     Launch others = launch;
     others.rays = rays, others.ray_count = static_cast<std::uint32_t>(count);

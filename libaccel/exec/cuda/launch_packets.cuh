@@ -12,6 +12,7 @@
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/core/result.h"
+#include "libaccel/exec/batch_traverser.h"
 #include "libaccel/exec/cuda/device_method.cuh"
 
 namespace accel {
@@ -21,17 +22,9 @@ struct PacketOptions;
 
 namespace accel::cuda {
 
-namespace detail {
-struct TraceSingly {
-  Hit operator()(const Ray&) const;
-};
-}  // namespace detail
-
-// Traversers that CPUs run as packets: see BatchTraverser in exec/cpu.h.
+// Traversers that CPUs run as packets.
 template <class Traverser>
-concept PacketTraverser = requires {
-  requires std::same_as<typename Traverser::template Batch<detail::TraceSingly>::Options, PacketOptions>;
-};
+concept PacketTraverser = BatchTraverser<Traverser> && std::same_as<BatchOptions<Traverser>, PacketOptions>;
 
 // Traces rays one by one: `others` has their copies and the places of all answers of their block; ids[i] is the place of ray
 // i's.
