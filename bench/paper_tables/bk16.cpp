@@ -115,13 +115,12 @@ Status take_turns(const std::vector<AnyAccel>& accels, Batches& batches, const S
       for (std::size_t m = 0; m < accels.size(); ++m) {
         if (const Status s = time_ms([&] { return trace(accels[m], kind, batch, options); }, times[m]); !s) return s;
         if (turn == 0) times[m].clear();
-        if (std::memcmp(batch.hits.data(), expected.hits.data(), batch.hits.size() * sizeof(Hit)) != 0 ||
-            batch.occluded != expected.occluded)
+        if (!same_bits(batch.hits, expected.hits) || batch.occluded != expected.occluded)
           return Error{accels[m].method().name + ": its hits are not the stack version's, which is a bug"};
       }
     }
     for (std::size_t m = 0; m < accels.size(); ++m)
-      result.methods[m].mrays[kind] = 1e-3 * static_cast<double>(batch.rays.size()) / std::max(median(times[m]), 1e-6);
+      result.methods[m].mrays[kind] = mrays_of(batch.rays.size(), median(times[m]));
   }
   return Done{};
 }
@@ -295,12 +294,9 @@ SimtProfile total(const std::vector<SceneResult>& results, std::size_t method, i
 }
 
 std::string simt_table(const std::vector<SceneResult>& results) {
-  std::string text =
-      "\n" +
-      paragraph(
-          "The SIMT model's prediction for a GPU: while-while, warps of 32; steps that a warp issues, lanes at "
-          "work in them, transactions (distinct sectors of 32 bytes), and bytes by class, for a ray, averaged over scenes",
-          0, 2);
+  const std::string text = heading(
+      "The SIMT model's prediction for a GPU: while-while, warps of 32; steps that a warp issues, lanes at work in them, "
+      "transactions (distinct sectors of 32 bytes), and bytes by class, for a ray, averaged over scenes");
   TextTable table(
       {"rays, method", "steps", "x stack", "lanes", "sectors", "x stack", "node B", "triangle B", "stack B", "hash B"});
   for (int kind = 0; kind < kKinds; ++kind) {
@@ -319,35 +315,30 @@ std::string simt_table(const std::vector<SceneResult>& results) {
   return text + table.text();
 }
 
+constexpr char kSceneNote[] =
+    "Sponza here is Dabrovic's with 66,454 triangles, the paper's Crytek's; Conference has 331,179 triangles here.";
+constexpr char kHashNote[] = R"(Tables are sized by the keys that can be looked up, the paper's by all nodes. Times to make
+  them are those of a CPU here, of a GeForce GTX Titan X there.)";
+constexpr char kStackNote[] = R"(On a CPU the stack lies in the nearest cache and costs next to nothing, and it remembers
+  where the ray enters a postponed node, so that the node is dropped unread when a nearer hit was found; stackless versions
+  read it and test its children's boxes. The paper's stack version does not drop nodes either, and pays for its stack with
+  memory traffic. The steps above tell the first effect, the bytes of stack and hash the second.)";
+
 std::string notes(const std::vector<SceneResult>& results) {
-  std::string text = "\nWhere and why they differ\n";
-  text += stand_in_note(std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }));
-  text += paragraph(
-      "Sponza here is Dabrovic's with 66,454 triangles, the paper's Crytek's; Conference has 331,179 triangles here.");
-  text += paragraph(
-      "Tables are sized by the keys that can be looked up, the paper's by all nodes. Times to make them are those of a CPU "
-      "here, of a GeForce GTX Titan X there.");
-  text += paragraph(
-      "On a CPU the stack lies in the nearest cache and costs next to nothing, and it remembers where the ray enters a "
-      "postponed node, so that the node is dropped unread when a nearer hit was found; stackless versions read it and test its "
-      "children's boxes. The paper's stack version does not drop nodes either, and pays for its stack with memory traffic. The "
-      "steps above tell the first effect, the bytes of stack and hash the second.");
-  return text;
+  return notes_title(results) + paragraph(kSceneNote) + paragraph(kHashNote) + paragraph(kStackNote);
 }
 
 Json row_json(std::size_t s, std::size_t m, int kind, const SceneResult& r, const Settings& settings) {
   const SimtProfile& p = r.methods[m].simt[kind];
-  Json row = {{"name", std::string("bk16/") + kScenes[s].scene.file + "/" + kKindTitles[kind] + "/" + kMethods[m]},
-              {"run_type", "iteration"},
-              {"iterations", settings.repeat},
-              {"scene", r.is_stand_in ? kScenes[s].scene.stand_in : kScenes[s].scene.file},
+  Json row = new_row("bk16", kScenes[s].scene, r.is_stand_in, std::string(kKindTitles[kind]) + "/" + kMethods[m]);
+  row.update({{"iterations", settings.repeat},
               {"method", kMethods[m]},
               {"rays", p.rays},
               {"mrays_per_second", r.methods[m].mrays[kind]},
               {"ratio_to_stack", speed(r, m, kind)},
               {"simt_steps", issued(p)},
               {"simt_efficiency", p.efficiency()},
-              {"simt_sectors", all_traffic(p).sectors}};
+              {"simt_sectors", all_traffic(p).sectors}});
   if (m == kHash)
     row["hash_bytes"] = r.hash_bytes, row["hash_ms"] = r.hash_ms, row["build_ms"] = r.build_ms, row["bytes"] = r.bytes;
   return row;

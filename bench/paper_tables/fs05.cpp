@@ -6,7 +6,6 @@
 // resolutions.
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <optional>
 
 #include "bench/paper_tables/paper_tables.h"
@@ -135,7 +134,7 @@ Status take_turns(std::vector<Contender>& contenders, const Settings& settings) 
       if (const Status s = time_ms(in_one, c.while_ms); !s) return s;
       if (const Status s = time_ms(in_passes, c.multipass_ms); !s) return s;
       if (turn == 0) c.while_ms.clear(), c.multipass_ms.clear();
-      if (std::memcmp(c.hits.data(), c.multipass_hits.data(), c.hits.size() * sizeof(Hit)) != 0)
+      if (!same_bits(c.hits, c.multipass_hits))
         return Error{c.accel.method().name + ": the executors' hits differ, which is a bug"};
     }
   }
@@ -237,12 +236,10 @@ std::string table3(const std::vector<SceneResult>& results) {
 }
 
 std::string streams(const std::vector<SceneResult>& results) {
-  std::string text =
-      "\n" +
-      paragraph(
-          "The streams: passes by Delany's rule; rays at work, of all lanes that a masked pass runs over and of those in warps "
-          "of 32 that cannot be skipped; bytes per ray that are carried from pass to pass, and fetched from the structure",
-          0, 2);
+  const std::string text = heading(
+      "The streams: passes by Delany's rule; rays at work, of all lanes that a masked pass runs over and of those in warps of "
+      "32 "
+      "that cannot be skipped; bytes per ray that are carried from pass to pass, and fetched from the structure");
   TextTable table({"scene, method", "passes", "switches", "rays/pass", "of all", "of warps", "carried", "fetched"});
   for (std::size_t s = 0; s < results.size(); ++s) {
     table.add({kScenes[s].scene.title});
@@ -293,32 +290,27 @@ std::string counts_note(const Table2Figures& figures, const SceneResult& result)
             2 * ours.down / ours.transitions, 2 * paper.down / paper.transitions));
 }
 
+constexpr char kBruteNote[] = R"(Brute force is measured on every n-th ray and scaled. The paper's own times for it disagree:
+  66 us a triangle in the three large scenes, 3.9 G tests/s, but 719 us in the Cornell Box, 0.36 G tests/s, and section 3 says
+  0.35 G tests/s. At that rate the large scenes would take 52 to 83 s, as the model has it, not 5 to 7 s.)";
+constexpr char kRateNote[] = R"(The X800's kernels at full speed need %.0f ms for the paper's counts of Robots with Restart and
+  %.0f ms with Backtrack; it measured 968 and 946. The rest, a factor of %.1f and %.1f, is masking and switching (section 5:
+  "more than five").)";
+constexpr char kMaskNote[] = R"(In our masked passes (Robots, Restart) %.0f %% of all lanes are at work, and %.0f %% of those in
+  warps with any at work: a machine that skips idle warps, as early z-culling does in part, loses a factor between %.1f and
+  %.1f.)";
+
 // What Table 1 and the streams say about the X800.
 std::string machine_notes(const std::vector<SceneResult>& results) {
   const double restart = model_ms(kTable2[0].restart), backtrack = model_ms(kTable2[0].backtrack);
   const MultipassProfile::KernelPasses passes = results[2].methods[kRestart]->profile.total();
-  return paragraph(
-             "Brute force is measured on every n-th ray and scaled. The paper's own times for it disagree: 66 us a triangle in "
-             "the "
-             "three large scenes, 3.9 G tests/s, but 719 us in the Cornell Box, 0.36 G tests/s, and section 3 says 0.35 G "
-             "tests/s. "
-             "At that rate the large scenes would take 52 to 83 s, as the model has it, not 5 to 7 s.") +
-         paragraph(print(
-             "The X800's kernels at full speed need %.0f ms for the paper's counts of Robots with Restart and %.0f ms with "
-             "Backtrack; it measured 968 and 946. The rest, a factor of %.1f and %.1f, is masking and switching (section "
-             "5: \"more than five\").",
-             restart, backtrack, 968 / restart, 946 / backtrack)) +
-         paragraph(print(
-             "In our masked passes (Robots, Restart) %.0f %% of all lanes are at work, and %.0f %% of those in warps with "
-             "any at work: a machine that skips idle warps, as early z-culling does in part, loses a factor between "
-             "%.1f and %.1f.",
-             100 * passes.utilisation(), 100 * passes.warp_utilisation(), 1 / passes.warp_utilisation(),
-             1 / passes.utilisation()));
+  return paragraph(kBruteNote) + paragraph(print(kRateNote, restart, backtrack, 968 / restart, 946 / backtrack)) +
+         paragraph(print(kMaskNote, 100 * passes.utilisation(), 100 * passes.warp_utilisation(), 1 / passes.warp_utilisation(),
+                         1 / passes.utilisation()));
 }
 
 std::string notes(const std::vector<SceneResult>& results) {
-  std::string text = "\nWhere and why they differ\n";
-  text += stand_in_note(std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }));
+  std::string text = notes_title(results);
   text += paragraph("Steps as multiples of the stack version's: Restart " + ratios(results, kRestart) + "; Backtrack " +
                     ratios(results, kBacktrack) + ".");
   for (const Table2Figures& figures : kTable2) text += counts_note(figures, results[figures.scene]);
@@ -335,13 +327,11 @@ Json row_json(std::size_t scene, int m, const SceneResult& result, const Setting
   const Measured& ours = *result.methods[m];
   const MultipassProfile::KernelPasses all = ours.profile.total();
   const StateCounts counts = counts_of(ours);
-  Json row = {{"name", std::string("fs05/") + kScenes[scene].scene.file + "/" + kMethodNames[m]},
-              {"run_type", "iteration"},
-              {"iterations", settings.repeat},
+  Json row = new_row("fs05", kScenes[scene].scene, result.is_stand_in, kMethodNames[m]);
+  row.update({{"iterations", settings.repeat},
               {"real_time", ours.while_ms},
               {"cpu_time", ours.while_ms},
               {"time_unit", "ms"},
-              {"scene", result.is_stand_in ? kScenes[scene].scene.stand_in : kScenes[scene].scene.file},
               {"method", kMethodNames[m]},
               {"multipass_ms", ours.multipass_ms},
               {"model_ms", ours.model_ms},
@@ -356,7 +346,7 @@ Json row_json(std::size_t scene, int m, const SceneResult& result, const Setting
               {"warp_utilisation", all.warp_utilisation()},
               {"bytes_recirculated", all.bytes_recirculated()},
               {"bytes_fetched", all.bytes_fetched},
-              {"bytes", ours.bytes}};
+              {"bytes", ours.bytes}});
   if (m < kStack) row["paper_ms"] = kScenes[scene].ms[m];
   return row;
 }

@@ -52,9 +52,20 @@ LightDescription light_of(const SceneData& scene) {
 
 std::string title_of(const PaperScene& scene, bool is_stand_in) { return std::string(scene.title) + (is_stand_in ? " *" : ""); }
 
-std::string stand_in_note(bool has_stand_in) {
-  if (!has_stand_in) return {};
-  return paragraph("* A built-in scene of comparable kind stands in for the paper's, which was not found: no figure compares.");
+std::string heading(const std::string& text) { return "\n" + paragraph(text, 0, 2); }
+
+std::string notes_title(bool has_stand_in) {
+  const std::string title = "\nWhere and why they differ\n";
+  if (!has_stand_in) return title;
+  return title + paragraph(
+                     "* A built-in scene of comparable kind stands in for the paper's, which was not found: no figure "
+                     "compares.");
+}
+
+Json new_row(const std::string& paper, const PaperScene& scene, bool is_stand_in, const std::string& name) {
+  return {{"name", paper + "/" + scene.file + "/" + name},
+          {"run_type", "iteration"},
+          {"scene", is_stand_in ? scene.stand_in : scene.file}};
 }
 
 std::uint64_t issued(const SimtProfile& p) { return p.descend.steps + p.intersect.steps + p.backtrack.steps; }
@@ -117,6 +128,8 @@ std::string number(double value) {
   return value < 9.995 ? print("%.2f", value) : value < 99.95 ? print("%.1f", value) : print("%.0f", value);
 }
 std::string percent(double share) { return number(100 * share) + " %"; }
+
+double mrays_of(std::size_t rays, double ms) { return 1e-3 * static_cast<double>(rays) / std::max(ms, 1e-6); }
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());

@@ -1,10 +1,12 @@
 // The tables of the papers, measured and counted anew: ours beside the paper's.
 //
-// A paper is one file here, with one function that makes its report, and one line in main.cpp.
+// A paper is one function that makes its report, in the file or files that bear its name, and one line in main.cpp.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -42,9 +44,8 @@ struct LoadedScene {
 };
 Result<LoadedScene> load(const PaperScene& scene, const Settings& settings);
 
-// With an asterisk where a built-in scene stands in, and the note that explains it where one does in any of the results.
+// With an asterisk where a built-in scene stands in.
 std::string title_of(const PaperScene& scene, bool is_stand_in);
-std::string stand_in_note(bool has_stand_in);
 
 // measure(figures, settings) for each scene of a paper's figures; an error names the scene.
 template <class SceneResult, class Figures, class Measure>
@@ -84,11 +85,32 @@ std::string paragraph(const std::string& text, std::size_t first = 2, std::size_
 // As printf.
 [[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...);
 
+// Text above a table, after an empty line.
+std::string heading(const std::string& text);
+
+// Above the notes on where and why figures differ: with what an asterisk means, where a built-in scene stands in.
+std::string notes_title(bool has_stand_in);
+template <class SceneResult>
+std::string notes_title(const std::vector<SceneResult>& results) {
+  return notes_title(std::any_of(results.begin(), results.end(), [](const SceneResult& r) { return r.is_stand_in; }));
+}
+
+// A row for the JSON: its name is "paper/file/name".
+Json new_row(const std::string& paper, const PaperScene& scene, bool is_stand_in, const std::string& name);
+
 // Three digits.
 std::string number(double value);
 std::string percent(double share);
 
 double median(std::vector<double> values);  // 0 if there are none
+
+double mrays_of(std::size_t rays, double ms);  // millions of rays a second
+
+// Whether answers are the same, bit for bit.
+template <class Answer>
+bool same_bits(const std::vector<Answer>& a, const std::vector<Answer>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Answer)) == 0);
+}
 
 // Does the work, which returns a Status, and notes how long it took.
 template <class Work>
