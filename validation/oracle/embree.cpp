@@ -12,7 +12,9 @@
 #include <atomic>
 #include <chrono>
 #include <cstring>
+#include <type_traits>
 
+#include "libaccel/core/buffer.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/trace/multi_hit.h"
 
@@ -58,9 +60,12 @@ Error device_error(RTCDevice device, const char* what) {
 
 RTCBuildQuality quality_of(EmbreeQuality quality) {
   switch (quality) {
-    case EmbreeQuality::low: return RTC_BUILD_QUALITY_LOW;
-    case EmbreeQuality::medium: return RTC_BUILD_QUALITY_MEDIUM;
-    case EmbreeQuality::high: return RTC_BUILD_QUALITY_HIGH;
+    case EmbreeQuality::low:
+      return RTC_BUILD_QUALITY_LOW;
+    case EmbreeQuality::medium:
+      return RTC_BUILD_QUALITY_MEDIUM;
+    case EmbreeQuality::high:
+      return RTC_BUILD_QUALITY_HIGH;
   }
   return RTC_BUILD_QUALITY_MEDIUM;
 }
@@ -78,8 +83,10 @@ RTCSceneFlags flags_of(const EmbreeOptions& options) {
 Status attach_mesh(RTCDevice device, RTCScene scene, const TriangleMesh& mesh, RTCBuildQuality quality) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   // Embree owns the copies: it pads them for its 16-byte loads.
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.vertices.size());
-  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(IndexTriple), mesh.size());
+  void* vertices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.vertices.size());
+  void* triangles =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(IndexTriple), mesh.size());
   if (vertices == nullptr || triangles == nullptr) {
     rtcReleaseGeometry(geometry);
     return device_error(device, "allocate its copy of the mesh");
@@ -174,8 +181,8 @@ void keep_and_refuse(const RTCFilterFunctionNArguments* arguments) {
   RTCHitN* const hit = arguments->hit;
   const unsigned n = arguments->N;
   const std::uint32_t first_prim = keep.first_prims.empty() ? 0 : keep.first_prims[RTCHitN_instID(hit, n, 0, 0)];
-  keep.hits->push_back({RTCRayN_tfar(arguments->ray, n, 0), RTCHitN_u(hit, n, 0), RTCHitN_v(hit, n, 0),
-                        first_prim + RTCHitN_primID(hit, n, 0)});
+  keep.hits->push_back(
+      {RTCRayN_tfar(arguments->ray, n, 0), RTCHitN_u(hit, n, 0), RTCHitN_v(hit, n, 0), first_prim + RTCHitN_primID(hit, n, 0)});
   arguments->valid[0] = 0;
 }
 
@@ -210,12 +217,191 @@ std::vector<Hit> all_hits_of(RTCScene scene, std::span<const std::uint32_t> firs
   return hits;
 }
 
+// What the versions call differently: Embree 4 has no streams, and its queries take no context.
+#if RTC_VERSION_MAJOR >= 4
+constexpr bool kHasStreams = false;
+struct Caller {
+  RTCScene scene;
+
+  void intersect(const int* valid, RTCRayHit8* packet) { rtcIntersect8(valid, scene, packet); }
+  void intersect(const int* valid, RTCRayHit16* packet) { rtcIntersect16(valid, scene, packet); }
+  void occluded(const int* valid, RTCRay8* packet) { rtcOccluded8(valid, scene, packet); }
+  void occluded(const int* valid, RTCRay16* packet) { rtcOccluded16(valid, scene, packet); }
+  void intersect_stream(void*, unsigned, unsigned, std::size_t) {}
+  void occluded_stream(void*, unsigned, unsigned, std::size_t) {}
+};
+#else
+constexpr bool kHasStreams = true;
+struct Caller {
+  RTCScene scene;
+  RTCIntersectContext context;
+
+  explicit Caller(RTCScene of) : scene(of) { rtcInitIntersectContext(&context); }
+
+  void intersect(const int* valid, RTCRayHit8* packet) { rtcIntersect8(valid, scene, &context, packet); }
+  void intersect(const int* valid, RTCRayHit16* packet) { rtcIntersect16(valid, scene, &context, packet); }
+  void occluded(const int* valid, RTCRay8* packet) { rtcOccluded8(valid, scene, &context, packet); }
+  void occluded(const int* valid, RTCRay16* packet) { rtcOccluded16(valid, scene, &context, packet); }
+  void intersect_stream(void* packets, unsigned width, unsigned count, std::size_t stride) {
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersectNM(scene, &context, static_cast<RTCRayHitN*>(packets), width, count, stride);
+  }
+  void occluded_stream(void* packets, unsigned width, unsigned count, std::size_t stride) {
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcOccludedNM(scene, &context, static_cast<RTCRayN*>(packets), width, count, stride);
+  }
+};
+#endif
+
+// Rays in packets, structures of arrays: RTCRayHit8 of closest-hit queries, RTCRay8 of any-hit ones, or as wide as asked for.
+// Rays that Embree must not see, and the places behind the last ray, have an empty interval and are not valid.
+class Packets {
+ public:
+  Packets(Query query, unsigned width, std::size_t most_rays)
+      : width_(width),
+        floats_(width * (query == Query::closest ? sizeof(RTCRayHit8) : sizeof(RTCRay8)) / (8 * sizeof(float))),
+        memory_(packets_of(most_rays) * floats_),
+        valid_(packets_of(most_rays) * width) {}
+
+  std::size_t packets_of(std::size_t rays) const { return (rays + width_ - 1) / width_; }
+  unsigned width() const { return width_; }
+  std::size_t stride() const { return floats_ * sizeof(float); }
+  float* packet(std::size_t p) { return memory_.data() + p * floats_; }
+  const int* valid(std::size_t p) const { return valid_.data() + p * width_; }
+
+  void fill(std::span<const Ray> rays) {
+    for (std::size_t i = 0; i < packets_of(rays.size()) * width_; ++i) {
+      const bool traced = i < rays.size() && is_traceable(rays[i]);
+      valid_[i] = traced ? -1 : 0;
+      put(i, traced ? to_embree(rays[i]) : nothing());
+    }
+  }
+
+  void read(std::span<const std::uint32_t> first_prims, std::span<Hit> hits) {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      float* const at = packet(i / width_);
+      const unsigned lane = static_cast<unsigned>(i % width_);
+      RTCHitN* const hit = RTCRayHitN_HitN(reinterpret_cast<RTCRayHitN*>(at), width_);
+      hits[i] = {};
+      if (RTCHitN_geomID(hit, width_, lane) == RTC_INVALID_GEOMETRY_ID) continue;
+      const std::uint32_t first_prim = first_prims.empty() ? 0 : first_prims[RTCHitN_instID(hit, width_, lane, 0)];
+      hits[i] = {RTCRayN_tfar(reinterpret_cast<RTCRayN*>(at), width_, lane), RTCHitN_u(hit, width_, lane),
+                 RTCHitN_v(hit, width_, lane), first_prim + RTCHitN_primID(hit, width_, lane)};
+    }
+  }
+
+  void read(std::span<const std::uint32_t> /*first_prims*/, std::span<std::uint8_t> occluded) {
+    for (std::size_t i = 0; i < occluded.size(); ++i) {
+      RTCRayN* const ray = reinterpret_cast<RTCRayN*>(packet(i / width_));
+      occluded[i] = RTCRayN_tfar(ray, width_, static_cast<unsigned>(i % width_)) < 0 ? 1 : 0;
+    }
+  }
+
+ private:
+  static RTCRay nothing() {
+    RTCRay r{};
+    r.dir_z = 1, r.tnear = 1, r.tfar = 0;
+    return r;
+  }
+
+  void put(std::size_t i, const RTCRay& from) {
+    float* const at = packet(i / width_);
+    const unsigned lane = static_cast<unsigned>(i % width_);
+    RTCRayN* const ray = reinterpret_cast<RTCRayN*>(at);
+    RTCRayN_org_x(ray, width_, lane) = from.org_x, RTCRayN_dir_x(ray, width_, lane) = from.dir_x;
+    RTCRayN_org_y(ray, width_, lane) = from.org_y, RTCRayN_dir_y(ray, width_, lane) = from.dir_y;
+    RTCRayN_org_z(ray, width_, lane) = from.org_z, RTCRayN_dir_z(ray, width_, lane) = from.dir_z;
+    RTCRayN_tnear(ray, width_, lane) = from.tnear, RTCRayN_tfar(ray, width_, lane) = from.tfar;
+    RTCRayN_time(ray, width_, lane) = from.time, RTCRayN_mask(ray, width_, lane) = from.mask;
+    RTCRayN_id(ray, width_, lane) = from.id, RTCRayN_flags(ray, width_, lane) = from.flags;
+    if (floats_ * 8 != width_ * sizeof(RTCRayHit8) / sizeof(float)) return;
+    RTCHitN* const hit = RTCRayHitN_HitN(reinterpret_cast<RTCRayHitN*>(at), width_);
+    RTCHitN_geomID(hit, width_, lane) = RTC_INVALID_GEOMETRY_ID;
+    RTCHitN_instID(hit, width_, lane, 0) = RTC_INVALID_GEOMETRY_ID;
+  }
+
+  unsigned width_;
+  std::size_t floats_;  // of a packet
+  Buffer<float> memory_;
+  Buffer<int> valid_;
+};
+
+// Streams are fastest in packets of the width that Embree's instructions have.
+unsigned width_of(EmbreeCalls calls, RTCDevice device) {
+  if (calls == EmbreeCalls::packets8) return 8;
+  if (calls == EmbreeCalls::packets16) return 16;
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) return 16;
+  return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0 ? 8 : 4;
+}
+
+void call_stream(Caller& caller, Query query, Packets& packets, std::size_t begin, std::size_t end) {
+  const auto count = static_cast<unsigned>(end - begin);
+  if (query == Query::closest)
+    caller.intersect_stream(packets.packet(begin), packets.width(), count, packets.stride());
+  else
+    caller.occluded_stream(packets.packet(begin), packets.width(), count, packets.stride());
+}
+
+template <class RayHitPacket, class RayPacket>
+void call_packet(Caller& caller, Query query, Packets& packets, std::size_t p) {
+  if (query == Query::closest)
+    caller.intersect(packets.valid(p), reinterpret_cast<RayHitPacket*>(packets.packet(p)));
+  else
+    caller.occluded(packets.valid(p), reinterpret_cast<RayPacket*>(packets.packet(p)));
+}
+
+// Packets [begin, end).
+void trace_packets(RTCScene scene, Query query, EmbreeCalls calls, Packets& packets, std::size_t begin, std::size_t end) {
+  Caller caller{scene};
+  const std::size_t stream = kEmbreeStreamRays / packets.width();
+  switch (calls) {
+    case EmbreeCalls::single:
+      break;
+    case EmbreeCalls::packets8:
+      for (std::size_t p = begin; p < end; ++p) call_packet<RTCRayHit8, RTCRay8>(caller, query, packets, p);
+      break;
+    case EmbreeCalls::packets16:
+      for (std::size_t p = begin; p < end; ++p) call_packet<RTCRayHit16, RTCRay16>(caller, query, packets, p);
+      break;
+    case EmbreeCalls::streams:
+      for (std::size_t p = begin; p < end; p += stream) call_stream(caller, query, packets, p, std::min(end, p + stream));
+      break;
+  }
+}
+
+template <class Work>
+double seconds_of(const Work& work) {
+  const auto before = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+}
+
+// In rounds that fit a cache, as an application's rays do when it traces tile after tile: for each thread, some streams.
+template <class Answer>
+double time_packets(RTCScene scene, EmbreeCalls calls, unsigned width, std::span<const std::uint32_t> first_prims,
+                    std::span<const Ray> rays, std::span<Answer> answers, int threads) {
+  constexpr Query kQuery = std::is_same_v<Answer, Hit> ? Query::closest : Query::any;
+  const int workers = threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
+  const std::size_t round = std::min(rays.size(), 8 * kEmbreeStreamRays * static_cast<std::size_t>(workers));
+  Packets packets(kQuery, width, round);
+  double seconds = 0;
+  for (std::size_t begin = 0; begin < rays.size(); begin += round) {
+    const std::size_t count = std::min(round, rays.size() - begin);
+    packets.fill(rays.subspan(begin, count));
+    const auto trace = [&](std::size_t from, std::size_t to) { trace_packets(scene, kQuery, calls, packets, from, to); };
+    seconds += seconds_of([&] { for_each_block(packets.packets_of(count), threads, trace, kEmbreeStreamRays / width); });
+    packets.read(first_prims, answers.subspan(begin, count));
+  }
+  return seconds;
+}
+
 }  // namespace
 
 bool EmbreeWitness::available() { return true; }
 
 std::string EmbreeWitness::version() {
-  return "Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) + "." + std::to_string(RTC_VERSION_PATCH);
+  return "Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) + "." +
+         std::to_string(RTC_VERSION_PATCH);
 }
 
 // A device and an empty scene.
@@ -286,6 +472,28 @@ void EmbreeWitness::occluded(std::span<const Ray> rays, std::span<std::uint8_t> 
   });
 }
 
+Status EmbreeWitness::can(EmbreeCalls calls) const {
+  if (calls != EmbreeCalls::streams) return Done{};
+  if (!kHasStreams) return Error{version() + " has no streams of rays; Embree 3 has"};
+  // Seen in Embree 3.13.5: rtcOccludedNM, flagged coherent, loops for ever.
+  if (!scene_->meshes.empty()) return Error{"Embree's coherent streams may never return from scenes with instances"};
+  return Done{};
+}
+
+Result<double> EmbreeWitness::time_closest(EmbreeCalls calls, std::span<const Ray> rays, std::span<Hit> hits,
+                                           int threads) const {
+  if (const Status possible = can(calls); !possible) return possible.error();
+  if (calls == EmbreeCalls::single) return seconds_of([&] { closest(rays, hits, threads); });
+  return time_packets(scene_->scene, calls, width_of(calls, scene_->device), scene_->first_prims, rays, hits, threads);
+}
+
+Result<double> EmbreeWitness::time_occluded(EmbreeCalls calls, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
+                                            int threads) const {
+  if (const Status possible = can(calls); !possible) return possible.error();
+  if (calls == EmbreeCalls::single) return seconds_of([&] { this->occluded(rays, occluded, threads); });
+  return time_packets(scene_->scene, calls, width_of(calls, scene_->device), scene_->first_prims, rays, occluded, threads);
+}
+
 void EmbreeWitness::all_hits(std::span<const Ray> rays, std::span<std::vector<Hit>> hits, int threads) const {
   ACCEL_ASSERT(scene_->options.all_hits);
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
@@ -321,6 +529,13 @@ Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh&, const EmbreeOpti
 Result<EmbreeWitness> EmbreeWitness::build(const InstancedMeshes&, const EmbreeOptions&) { return start({}).error(); }
 void EmbreeWitness::closest(std::span<const Ray>, std::span<Hit>, int) const {}
 void EmbreeWitness::occluded(std::span<const Ray>, std::span<std::uint8_t>, int) const {}
+Status EmbreeWitness::can(EmbreeCalls) const { return start({}).error(); }
+Result<double> EmbreeWitness::time_closest(EmbreeCalls, std::span<const Ray>, std::span<Hit>, int) const {
+  return start({}).error();
+}
+Result<double> EmbreeWitness::time_occluded(EmbreeCalls, std::span<const Ray>, std::span<std::uint8_t>, int) const {
+  return start({}).error();
+}
 void EmbreeWitness::all_hits(std::span<const Ray>, std::span<std::vector<Hit>>, int) const {}
 double EmbreeWitness::build_seconds() const { return 0; }
 std::size_t EmbreeWitness::size_bytes() const { return 0; }
