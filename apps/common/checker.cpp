@@ -1,33 +1,16 @@
 #include "apps/common/checker.h"
 
+#include "apps/common/embree_rivals.h"
 #include "apps/common/text.h"
 
 namespace accel::apps {
 
 using validation::CheckResult;
 using validation::EmbreeMode;
-using validation::EmbreeOptions;
 using validation::EmbreeQuality;
 using validation::EmbreeWitness;
 
-namespace {
-
-// The witness as an engine, which must not outlive it.
-Engine engine_of(const EmbreeWitness& witness, std::string name, int threads) {
-  Engine engine;
-  engine.name = std::move(name);
-  engine.closest = [&witness, threads](std::span<const Ray> rays, std::span<Hit> hits) {
-    return timed([&]() -> Status { return witness.closest(rays, hits, threads), Done{}; });
-  };
-  engine.occluded = [&witness, threads](std::span<const Ray> rays, std::span<std::uint8_t> occluded) {
-    return timed([&]() -> Status { return witness.occluded(rays, occluded, threads), Done{}; });
-  };
-  return engine;
-}
-
-}  // namespace
-
-Outcome<Checker> Checker::create(const Scene& scene, const TraceSettings& settings, ProgressBar& bar,
+Outcome<Checker> Checker::create(const Scene& scene, const TraceSettings& settings, EmbreeScenes& embree, ProgressBar& bar,
                                  std::vector<Skip>& skipped) {
   Check check = settings.check;
   if (check == Check::embree && !EmbreeWitness::available()) {
@@ -36,40 +19,18 @@ Outcome<Checker> Checker::create(const Scene& scene, const TraceSettings& settin
     skipped.push_back({"the comparison with Embree", why});
     check = Check::exact;
   }
-  Checker checker(scene, settings, check, bar);
-  if (check != Check::embree) return checker;
-
-  auto fast = checker.make_witness(EmbreeMode::fast, Truth::as_it_is);
-  if (!fast) return fast.error();
-  checker.fast_ = *std::move(fast);
-  return checker;
+  return Checker(scene, settings, embree, check, bar);
 }
 
-// Embree cannot be interrupted: looks before each of its builds.
-Result<EmbreeWitness> Checker::make_witness(EmbreeMode mode, Truth truth) const {
-  bar_->begin("building Embree");
-  if (!bar_->update(mode == EmbreeMode::fast ? "fast" : "robust", 0)) return Error{std::string(kInterrupted)};
-  const EmbreeOptions options{mode, EmbreeQuality::medium, settings_->common.threads};
-  if (scene_->data.instances && truth == Truth::as_it_is) return EmbreeWitness::build(*scene_->data.instances, options);
-  const auto mesh = scene_->data.one_mesh();
-  return mesh ? EmbreeWitness::build(*mesh, options) : mesh.error();
-}
-
-Checker::Truth Checker::truth_of(const MethodInfo& method) const {
+Truth Checker::truth_of(const MethodInfo& method) const {
   return scene_->data.instances && !method.instances ? Truth::one_mesh : Truth::as_it_is;
 }
 
-Engine Checker::engine() const { return engine_of(*fast_, "Embree", settings_->common.threads); }
-
 Outcome<Answers> Checker::testify(const RayBatch& batch, Truth truth) {
   if (check_ != Check::embree) return Answers();
-  std::optional<EmbreeWitness>& robust = court(truth).robust;
-  if (!robust) {
-    auto made = make_witness(EmbreeMode::robust, truth);
-    if (!made) return made.error();
-    robust = *std::move(made);
-  }
-  Engine witness = engine_of(*robust, "Embree robust", settings_->common.threads);
+  const auto robust = embree_->get(EmbreeMode::robust, EmbreeQuality::medium, truth);
+  if (!robust) return robust.error();
+  Engine witness = engine_of(kEmbreeModes[1], **robust, settings_->common.threads);
   auto measured = measure({&witness, 1}, batch.rays(), batch.query, 0, *bar_);
   if (!measured) return measured.failure();
   return std::move(measured->front().answers);
@@ -101,14 +62,10 @@ Outcome<std::string> Checker::write_bundle(const std::string& stem, const RayBat
   return path->string();
 }
 
-std::string Checker::witness_name() const {
-  return fast_ ? EmbreeWitness::version() + " (" + fast_->isa() + ")" : std::string();
-}
-
 std::string Checker::description() const {
   switch (check_) {
     case Check::embree:
-      return "hits checked against " + witness_name() + " robust; differences judged by exact arithmetic";
+      return "hits checked against " + embree_->name() + " robust; differences judged by exact arithmetic";
     case Check::exact:
       return "all hits judged by exact arithmetic";
     case Check::none:
@@ -118,7 +75,7 @@ std::string Checker::description() const {
 }
 
 const validation::Judge& Checker::judge(Truth truth) {
-  std::unique_ptr<validation::Judge>& judge = court(truth).judge;
+  std::unique_ptr<validation::Judge>& judge = judges_[static_cast<int>(truth)];
   if (judge) return *judge;
   if (scene_->data.instances && truth == Truth::as_it_is)
     return *(judge = std::make_unique<validation::Judge>(*scene_->data.instances));

@@ -167,6 +167,25 @@ Json multipass_json(const MultipassProfile& profile, const MultipassOptions& opt
   return json;
 }
 
+// How a row compares with Embree, and where several of its modes were timed, with each.
+void add_embree(Json& json, const TraceRow& row, const TraceReport& report) {
+  const auto ratio_to = [&](const TraceRow& embree) { return row.speed.median / embree.speed.median; };
+  const TraceRow* const embree = report.embree_row(row.rays_kind);
+  if (embree == nullptr || !(embree->speed.median > 0)) return;
+  json["embree_mrays_per_second"] = embree->speed.median;
+  json["ratio_to_embree"] = ratio_to(*embree);
+  const TraceRow* const best = report.best_embree_row(row.rays_kind);
+  if (best == nullptr) return;
+  json["best_embree_mode"] = best->embree->name;
+  json["ratio_to_best_embree"] = ratio_to(*best);
+  for (const TraceRow* mode : report.embree_rows(row.rays_kind))
+    json["embree_modes"].push_back({{"name", mode->embree->name},
+                                    {"mrays_per_second", mode->speed.median},
+                                    {"mrays_min", mode->speed.least},
+                                    {"mrays_max", mode->speed.most},
+                                    {"ratio", ratio_to(*mode)}});
+}
+
 Json row_json(const TraceRow& row, const TraceReport& report, const TraceSettings& settings) {
   Measurement::Pass mean;
   for (const Measurement::Pass& pass : row.passes) {
@@ -188,11 +207,7 @@ Json row_json(const TraceRow& row, const TraceReport& report, const TraceSetting
                {"mrays_per_second", row.speed.median},
                {"mrays_min", row.speed.least},
                {"mrays_max", row.speed.most}};
-  const TraceRow* witness = report.witness_row(row.rays_kind);
-  if (witness != nullptr && witness->speed.median > 0) {
-    json["embree_mrays_per_second"] = witness->speed.median;
-    json["ratio_to_embree"] = row.speed.median / witness->speed.median;
-  }
+  add_embree(json, row, report);
   if (row.check) add_check(json, *row.check);
   const StructureRow& structure = report.structures[row.structure];
   json["build_seconds"] = structure.build_seconds;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "apps/common/command_line.h"
+#include "apps/common/embree_modes.h"
 #include "apps/common/image.h"
 #include "apps/common/output.h"
 #include "apps/common/text.h"
@@ -38,7 +39,7 @@ constexpr const char* kExamples =
 
 // The command line as typed, before names are looked up.
 struct RawOptions {
-  std::string methods = "best", rays, check = "embree", sort, profile, schedule, device = "cpu", heatmap_of = "steps";
+  std::string methods = "best", rays, check = "embree", embree, sort, profile, schedule, device = "cpu", heatmap_of = "steps";
 };
 
 struct ScheduleName {
@@ -96,6 +97,12 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   app.add_option("--check", raw.check, "embree (differences judged exactly), exact (all judged), or none")
       ->capture_default_str()
       ->type_name("WHO")
+      ->group("Measuring and checking");
+  app.add_option("--embree", raw.embree,
+                 "modes of Embree to time: fast (always, ratios refer to it),\n"
+                 "robust, high, packet8, packet16, stream, the last three with -m\n"
+                 "of medium quality, or all [fast]")
+      ->type_name("MODE,...")
       ->group("Measuring and checking");
   app.add_option("--judge-limit", settings.judge_limit, "most rays to judge exactly, for each method and kind [no limit]")
       ->check(whole_number(1))
@@ -204,6 +211,16 @@ std::vector<std::string> names_of(const std::string& text) {
   return text.empty() ? std::vector<std::string>() : split(text, ',');
 }
 
+Outcome<std::vector<std::string>> parse_embree_modes(const std::string& text) {
+  std::vector<std::string_view> known;
+  for (const EmbreeTimed& timed : kEmbreeModes) known.push_back(timed.name);
+  known.emplace_back("all");
+  std::vector<std::string> names = names_of(text);
+  for (const std::string& name : names)
+    if (std::find(known.begin(), known.end(), name) == known.end()) return unknown("--embree", "mode of Embree", name, known);
+  return names;
+}
+
 Finished parse_profiles(const std::string& text, TraceSettings& settings) {
   for (const std::string& name : names_of(text)) {
     if (name != "simt" && name != "multipass") return unknown("--profile", "profile", name, {"simt", "multipass"});
@@ -252,6 +269,10 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   const auto check = parse_check(raw.check);
   if (!check) return check.failure();
   settings.check = *check;
+
+  auto embree = parse_embree_modes(raw.embree);
+  if (!embree) return embree.failure();
+  settings.embree = *std::move(embree);
 
   if (!raw.sort.empty()) {
     const auto sort = parse_ray_sort(raw.sort);

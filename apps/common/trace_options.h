@@ -35,7 +35,8 @@ struct TraceSettings {
 
   Check check = Check::embree;
   bool check_given = false;
-  std::uint64_t judge_limit = 0;  // 0: none
+  std::vector<std::string> embree;  // modes to be timed besides the fast one, or "all"; empty: that one, if it is the witness
+  std::uint64_t judge_limit = 0;    // 0: none
 
   std::optional<RaySort> sort;   // measure sorted rays, too
   float cell_fraction = 0.004f;  // RayOrderOptions::cell_fraction

@@ -82,7 +82,7 @@ std::string structures_section(const TraceReport& report, const Terminal& termin
 }
 
 std::string verdict_cell(const TraceRow& row, const Terminal& terminal) {
-  if (!row.check) return row.is_witness ? "" : "not checked";
+  if (!row.check) return row.embree != nullptr ? "" : "not checked";
   if (row.check->failures() > 0) return terminal.styled(with_commas(row.check->failures()) + " WRONG", Style::bad);
   return terminal.styled(row.check->limit_binds() ? "right so far" : "all right", Style::good);
 }
@@ -96,6 +96,12 @@ std::string short_count(std::uint64_t n) {
 std::string speed_text(double mrays) {
   if (mrays >= 0.0995) return short_number(mrays);
   return print(mrays >= 0.0095 ? "%.2f" : "%.0e", mrays);
+}
+
+// A speed as a multiple of that of a row of Embree; nothing where either is missing.
+std::string ratio_text(const TraceRow& row, const TraceRow* embree) {
+  if (embree == nullptr || !(row.speed.median > 0) || !(embree->speed.median > 0)) return {};
+  return print("%.2f", row.speed.median / embree->speed.median);
 }
 
 std::string speed_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
@@ -112,19 +118,41 @@ std::string speed_section(const TraceReport& report, const TraceSettings& settin
   for (const TraceRow& row : report.rows) {
     const bool first = kind == nullptr || *kind != row.rays_kind;
     kind = &row.rays_kind;
-    const TraceRow* witness = report.witness_row(row.rays_kind);
     const bool timed = row.speed.median > 0;
-    const bool compared = timed && witness != nullptr && witness->speed.median > 0;
-    table.add_row({first ? row.rays_kind : "", row.method, first ? short_count(row.rays) : "",
-                   timed ? speed_text(row.speed.median) : "",
-                   timed ? speed_text(row.speed.least) + " - " + speed_text(row.speed.most) : "",
-                   compared ? print("%.2f", row.speed.median / witness->speed.median) : "",
-                   row.counters ? per_ray(row.counters->node_steps, row.rays) : "",
-                   row.counters ? per_ray(row.counters->triangle_tests, row.rays) : "", verdict_cell(row, terminal)});
+    table.add_row(
+        {first ? row.rays_kind : "", row.method, first ? short_count(row.rays) : "", timed ? speed_text(row.speed.median) : "",
+         timed ? speed_text(row.speed.least) + " - " + speed_text(row.speed.most) : "",
+         ratio_text(row, report.embree_row(row.rays_kind)), row.counters ? per_ray(row.counters->node_steps, row.rays) : "",
+         row.counters ? per_ray(row.counters->triangle_tests, row.rays) : "", verdict_cell(row, terminal)});
   }
   return section(terminal, "Speed, median of " + counted(static_cast<std::uint64_t>(settings.repeat), "run") +
                                " in turns; nodes and tests a ray") +
          table.text();
+}
+
+// What the modes of Embree are.
+std::string embree_legend(const std::vector<const TraceRow*>& modes) {
+  std::string text;
+  bool tiled = false;
+  for (const TraceRow* row : modes) {
+    text += "  " + row->method + ": " + std::string(row->embree->what) + "\n";
+    tiled = tiled || takes_tiles(*row->embree);
+  }
+  if (tiled) text += "  Packets and streams: rays by tiles of pixels, in Embree's layout before the clock starts\n";
+  return text;
+}
+
+// Methods against the fastest of several modes.
+std::string best_embree_section(const TraceReport& report, const Terminal& terminal) {
+  Table table({{"RAYS", Align::left}, {"method", Align::left}, {"x Embree"}, {"x best"}, {"fastest mode", Align::left}});
+  for (const TraceRow& row : report.rows) {
+    const TraceRow* const best = report.best_embree_row(row.rays_kind);
+    if (row.embree != nullptr || best == nullptr) continue;
+    table.add_row(
+        {row.rays_kind, row.method, ratio_text(row, report.embree_row(row.rays_kind)), ratio_text(row, best), best->method});
+  }
+  return section(terminal, "Against the fastest mode of Embree for the rays") + table.text() +
+         embree_legend(report.embree_rows(report.rows.front().rays_kind));
 }
 
 void add_verdict_row(Table& table, const std::string& kind, const std::string& engine, const Verdicts& v, std::uint64_t rays,
@@ -318,10 +346,23 @@ double SortRow::sorted_in_all() const {
   return sorted.median > 0 ? mrays / (mrays / sorted.median + cost.total()) : 0;
 }
 
-const TraceRow* TraceReport::witness_row(const std::string& rays_kind) const {
+std::vector<const TraceRow*> TraceReport::embree_rows(const std::string& rays_kind) const {
+  std::vector<const TraceRow*> found;
   for (const TraceRow& row : rows)
-    if (row.is_witness && row.rays_kind == rays_kind) return &row;
-  return nullptr;
+    if (row.embree != nullptr && row.rays_kind == rays_kind) found.push_back(&row);
+  return found;
+}
+
+const TraceRow* TraceReport::embree_row(const std::string& rays_kind) const {
+  const auto found = embree_rows(rays_kind);
+  return found.empty() ? nullptr : found.front();
+}
+
+const TraceRow* TraceReport::best_embree_row(const std::string& rays_kind) const {
+  const auto found = embree_rows(rays_kind);
+  if (found.size() < 2) return nullptr;
+  const auto is_slower = [](const TraceRow* a, const TraceRow* b) { return a->speed.median < b->speed.median; };
+  return *std::max_element(found.begin(), found.end(), is_slower);
 }
 
 std::string report_text(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
@@ -330,6 +371,8 @@ std::string report_text(const TraceReport& report, const TraceSettings& settings
   const bool in_passes = any_row(report, [](const TraceRow& row) { return row.multipass.has_value(); });
   std::string text = failures_section(report, terminal) + scene_section(report, settings, terminal) +
                      structures_section(report, terminal) + speed_section(report, settings, terminal);
+  const bool has_modes = any_row(report, [&](const TraceRow& row) { return report.best_embree_row(row.rays_kind) != nullptr; });
+  if (has_modes) text += best_embree_section(report, terminal);
   if (!report.sorts.empty()) text += sort_section(report, settings, terminal);
   if (checked) text += verdict_section(report, terminal) + adjudication_section(report, terminal);
   if (in_warps) text += simt_section(report, terminal);

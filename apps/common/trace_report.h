@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/common/embree_modes.h"
 #include "apps/common/measure.h"
 #include "apps/common/scene.h"
 #include "apps/common/sorted_rays.h"
@@ -32,19 +33,19 @@ struct StructureRow {
   StructureFacts facts;
 };
 
-// A method or the witness, and a kind of rays.
+// A method or Embree in one of its modes, and a kind of rays.
 struct TraceRow {
   std::string method, rays_kind;
   std::uint64_t rays = 0;
   Speed speed;
   std::vector<Measurement::Pass> passes;
   std::size_t structure = 0;                     // its row among the structures
-  std::optional<Counters> counters;              // not for the witness
-  std::optional<validation::CheckResult> check;  // not for the witness, and not when nothing is checked
+  std::optional<Counters> counters;              // not for Embree
+  std::optional<validation::CheckResult> check;  // not for Embree, and not when nothing is checked
   std::optional<SimtProfile> simt;
   std::optional<MultipassProfile> multipass;
-  std::string repro;  // the bundle that reproduces failures, where one was written
-  bool is_witness = false;
+  std::string repro;                    // the bundle that reproduces failures, where one was written
+  const EmbreeTimed* embree = nullptr;  // the mode, of Embree's rows
 };
 
 // A method on the rays of a kind in sorted order, beside the same in the order in which they came.
@@ -70,14 +71,17 @@ struct TraceReport {
   std::string witness;     // "Embree 3.13.5 (avx2)", or empty
   std::string checked_by;  // what --check amounts to, in words
   std::vector<StructureRow> structures;
-  std::vector<TraceRow> rows;  // by kind of rays, the witness last
+  std::vector<TraceRow> rows;  // by kind of rays, Embree last
   std::vector<SortRow> sorts;
   std::vector<BuildNote> notes;  // of the builds, each once
   std::vector<Skip> skipped;
 
   std::uint64_t failures() const;
-  // The witness's row for a kind of rays, or null.
-  const TraceRow* witness_row(const std::string& rays_kind) const;
+  // Embree's rows for a kind of rays: the one that ratios refer to, or null; its fastest mode, where several were timed, or
+  // null; and all of them.
+  const TraceRow* embree_row(const std::string& rays_kind) const;
+  const TraceRow* best_embree_row(const std::string& rays_kind) const;
+  std::vector<const TraceRow*> embree_rows(const std::string& rays_kind) const;
 };
 
 // The tables: failures first, if there are any. 100 columns at most.

@@ -8,6 +8,7 @@
 #include "apps/common/ambient.h"
 #include "apps/common/checker.h"
 #include "apps/common/device_engine.h"
+#include "apps/common/embree_rivals.h"
 #include "apps/common/image.h"
 #include "apps/common/method_set.h"
 #include "apps/common/ray_batch.h"
@@ -22,7 +23,7 @@ namespace {
 class TraceRun {
  public:
   TraceRun(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar, Scene scene, std::string device)
-      : settings_(settings), terminal_(terminal), bar_(bar), scene_(std::move(scene)) {
+      : settings_(settings), terminal_(terminal), bar_(bar), scene_(std::move(scene)), embree_(scene_, settings.common, bar) {
     report_.device = std::move(device);
   }
 
@@ -40,8 +41,11 @@ class TraceRun {
     for (const StructureRow& row : set->structures)
       terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) + ", " +
                        seconds_text(row.build_seconds));
-    auto checker = Checker::create(scene_, settings_, bar_, report_.skipped);
+    auto checker = Checker::create(scene_, settings_, embree_, bar_, report_.skipped);
     if (!checker) return checker.failure();
+    auto rivals = make_rivals(embree_, settings_, report_.skipped);
+    if (!rivals) return rivals.failure();
+    rivals_ = *std::move(rivals);
     describe_structures(*set, *checker);
     if (auto done = make_engines(*set); !done) return done.failure();
     for (const std::string& kind : settings_.ray_kinds)
@@ -81,12 +85,18 @@ class TraceRun {
     report_.structures = set.structures;
     for (const MethodSet::Member& member : set.members) take_notes(member.accel.report().notes);
     report_.checked_by = checker.description();
-    report_.witness = checker.witness_name();
-    if (checker.fast()) {
-      witness_structure_ = report_.structures.size();
-      report_.structures.push_back(
-          {"Embree (medium, fast)", checker.fast()->build_seconds(), checker.fast()->size_bytes(), {}, {}});
-    }
+    report_.witness = embree_.name();
+    for (const EmbreeRival& rival : rivals_) rival_structures_.push_back(structure_row(*rival.scene));
+  }
+
+  // The row of an Embree scene, which modes may share.
+  std::size_t structure_row(const validation::EmbreeWitness& scene) {
+    const std::string name = structure_name(scene);
+    std::size_t row = 0;
+    while (row < report_.structures.size() && report_.structures[row].name != name) ++row;
+    if (row == report_.structures.size())
+      report_.structures.push_back({name, scene.build_seconds(), scene.size_bytes(), {}, {}});
+    return row;
   }
 
   Finished make_engines(const MethodSet& set) {
@@ -107,8 +117,8 @@ class TraceRun {
     const std::uint64_t rays = maker.most_rays(kind);
     const std::uint64_t orders = settings_.sort ? 2 : 1;
     const std::uint64_t nearest = settings_.hits > 0 && kind == settings_.ray_kinds.front() ? settings_.hits : 0;
-    const std::uint64_t bytes =
-        rays * ((sizeof(Ray) + sizeof(std::uint32_t)) * orders + sizeof(Hit) * (orders * engines_.size() + 2 + nearest));
+    const std::uint64_t bytes = rays * ((sizeof(Ray) + sizeof(std::uint32_t)) * orders +
+                                        sizeof(Hit) * (orders * engines_.size() + rivals_.size() + 1 + nearest));
     const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
     if (bytes <= memory) return Done{};
     return Failure(ExitStatus::error, counted(rays, "ray") + " of kind " + kind + " need " + bytes_text(bytes) +
@@ -135,7 +145,8 @@ class TraceRun {
       }
       bar_.begin("tracing " + kind);
     }
-    if (checker.fast()) engines.push_back(checker.engine());
+    const std::size_t first_rival = engines.size();
+    const Buffer<Ray> tiles = add_rivals(*batch, engines);
     terminal_.detail("tracing " + counted(batch->size(), "ray") + " of kind " + batch->name);
     auto measured = measure(engines, batch->rays(), batch->query, settings_.repeat, bar_);
     if (!measured) return measured.failure();
@@ -143,7 +154,7 @@ class TraceRun {
     std::optional<Answers> testimonies[2];  // by truth
     for (std::size_t m = 0; m < set.members.size(); ++m) {
       const bool is_first = m == 0 && kind == settings_.ray_kinds.front();
-      const Checker::Truth truth = checker.truth_of(set.members[m].accel.method());
+      const Truth truth = checker.truth_of(set.members[m].accel.method());
       std::optional<Answers>& testimony = testimonies[static_cast<int>(truth)];
       if (!testimony) {
         auto answers = checker.testify(*batch, truth);
@@ -154,8 +165,20 @@ class TraceRun {
       if (auto done = examine(traced, maker, checker); !done) return done;
       if (sorted) compare_orders(traced, (*measured)[engines_.size() + m], *sorted);
     }
-    if (checker.fast()) add_witness_row(*batch, measured->back());
+    for (std::size_t r = 0; r < rivals_.size(); ++r) add_rival_row(r, *batch, (*measured)[first_rival + r]);
     return Done{};
+  }
+
+  // Returns the rays of those that take tiles.
+  Buffer<Ray> add_rivals(const RayBatch& batch, std::vector<Engine>& engines) const {
+    const auto is_tiled = [](const EmbreeRival& rival) { return takes_tiles(*rival.timed); };
+    Buffer<Ray> tiles;
+    if (std::any_of(rivals_.begin(), rivals_.end(), is_tiled)) tiles = by_tiles(batch.set, settings_.width);
+    for (const EmbreeRival& rival : rivals_) {
+      engines.push_back(rival.engine);
+      if (is_tiled(rival)) engines.back().own_rays = tiles.span();
+    }
+    return tiles;
   }
 
   // A method's answers to a batch, and what they are compared with.
@@ -164,7 +187,7 @@ class TraceRun {
     const Engine& engine;
     const RayBatch& batch;
     const Measurement& measured;
-    Checker::Truth truth;
+    Truth truth;
     const Answers& testimony;
     bool is_first;  // the method and kind that files are about
   };
@@ -235,9 +258,10 @@ class TraceRun {
     return Done{};
   }
 
-  void add_witness_row(const RayBatch& batch, const Measurement& measured) {
-    TraceRow row{"Embree", batch.name, batch.size(), measured.speed, measured.passes, witness_structure_};
-    row.is_witness = true;
+  void add_rival_row(std::size_t rival, const RayBatch& batch, const Measurement& measured) {
+    const EmbreeRival& of = rivals_[rival];
+    TraceRow row{of.engine.name, batch.name, batch.size(), measured.speed, measured.passes, rival_structures_[rival]};
+    row.embree = of.timed;
     report_.rows.push_back(std::move(row));
   }
 
@@ -330,12 +354,14 @@ class TraceRun {
   Scene scene_;
   TraceReport report_;
   std::vector<Engine> engines_;  // one for each method
-  std::size_t witness_structure_ = 0;
+  EmbreeScenes embree_;
+  std::vector<EmbreeRival> rivals_;
+  std::vector<std::size_t> rival_structures_;  // their rows among the structures
 };
 
 // A structure file need not give its triangles for rays that come from elsewhere and hits that nobody checks.
 MeshUse mesh_use(const TraceSettings& settings) {
-  const bool reads = settings.check != Check::none || !settings.image.empty() ||
+  const bool reads = settings.check != Check::none || !settings.embree.empty() || !settings.image.empty() ||
                      std::any_of(settings.ray_kinds.begin(), settings.ray_kinds.end(), rays_need_mesh);
   return reads ? MeshUse::reads : MeshUse::none;
 }

@@ -39,6 +39,15 @@ TEST(TraceOptions, GoodNumbersAreTaken) {
   EXPECT_EQ(settings->count, 11u);
 }
 
+TEST(TraceOptions, ModesOfEmbreeAreLookedUp) {
+  const auto none = parse({"builtin:cornell"}), some = parse({"builtin:cornell", "--embree", "robust,stream"});
+  ASSERT_TRUE(none && some);
+  EXPECT_TRUE(none->embree.empty());
+  EXPECT_EQ(some->embree, (std::vector<std::string>{"robust", "stream"}));
+  expect_refused({"--embree", "robst"}, "did you mean 'robust'?");
+  expect_refused({"--embree", "fast,"}, "--embree");
+}
+
 TEST(TraceOptions, BadNumbersNameTheFlag) {
   for (const std::string flag : {"--width", "--height", "--spp", "--count", "--judge-limit"})
     for (const std::string bad : {"0", "-1", "1.5", "abc", "99999999999999999999", ""})

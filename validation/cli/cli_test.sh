@@ -85,6 +85,28 @@ test_check_embree_status() {
   else expect 5 trace builtin:cornell --check embree; one_line_error; fi
 }
 
+# Streams are Embree 3's alone.
+test_embree_modes() {
+  if ! has embree; then expect 5 trace builtin:cornell --embree robust; one_line_error; return; fi
+  expect 0 trace builtin:cornell --rays primary,shadow --embree all; says out "x best"
+  for mode in robust high packet8 packet16 packet8-m packet16-m; do says out "Embree/$mode"; done
+  [ "$(awk '{ if (length($0) > most) most = length($0) } END { print most + 0 }' out)" -le 100 ] || fail "a line is too long"
+  expect 0 trace builtin:cornell; lacks out "x best"; lacks out Embree/
+  expect 0 trace builtin:cornell --check none --rays random --embree packet8,high; says out Embree/packet8; lacks out robust
+  expect 0 trace builtin:forest:2000 --check none --rays shadow --embree all; says out Embree/packet8; says out "skipped: Embree/stream"
+  expect 5 trace builtin:forest:2000 --check none --rays shadow --embree stream; one_line_error
+}
+
+test_embree_modes_in_json() {
+  has embree || return 0
+  needs_python
+  expect 0 trace builtin:cornell --rays primary,shadow --embree robust,packet8 --json -
+  json out '[m["name"] for m in j["benchmarks"][0]["embree_modes"]] == ["fast", "robust", "packet8"]'
+  json out 'all(set(["mrays_per_second", "mrays_min", "mrays_max", "ratio"]) <= set(m) for b in j["benchmarks"] for m in b["embree_modes"])'
+  json out 'all(b["ratio_to_best_embree"] == min(m["ratio"] for m in b["embree_modes"]) for b in j["benchmarks"])'
+  json out '[b["method"] for b in j["benchmarks"]][-3:] == ["Embree", "Embree/robust", "Embree/packet8"]'
+}
+
 test_triangle_tests() {
   for t in watertight moeller-trumbore; do expect 0 trace builtin:cornell --test $t --rays primary --check none; done
 }
@@ -105,6 +127,8 @@ test_usage_errors() {
   usage_error trace --rays primry; says err "did you mean 'primary'?"
   usage_error trace --test waterthight; says err "did you mean 'watertight'?"
   usage_error trace --check embre; says err "did you mean 'embree'?"
+  usage_error trace --embree strem; says err "did you mean 'stream'?"
+  usage_error trace --embree fast,packets; says err "did you mean"
   usage_error trace builtin:stadum; says err "did you mean 'stadium'?"
   usage_error trace --sort ray-hsah; says err "did you mean 'ray-hash'?"
   usage_error trace --cell-fraction 0
