@@ -259,7 +259,8 @@ class Packets {
  public:
   Packets(Query query, unsigned width, std::size_t most_rays)
       : width_(width),
-        floats_(width * (query == Query::closest ? sizeof(RTCRayHit8) : sizeof(RTCRay8)) / (8 * sizeof(float))),
+        has_hits_(query == Query::closest),
+        floats_(width * (has_hits_ ? sizeof(RTCRayHit8) : sizeof(RTCRay8)) / (8 * sizeof(float))),
         memory_(packets_of(most_rays) * floats_),
         valid_(packets_of(most_rays) * width) {}
 
@@ -314,13 +315,14 @@ class Packets {
     RTCRayN_tnear(ray, width_, lane) = from.tnear, RTCRayN_tfar(ray, width_, lane) = from.tfar;
     RTCRayN_time(ray, width_, lane) = from.time, RTCRayN_mask(ray, width_, lane) = from.mask;
     RTCRayN_id(ray, width_, lane) = from.id, RTCRayN_flags(ray, width_, lane) = from.flags;
-    if (floats_ * 8 != width_ * sizeof(RTCRayHit8) / sizeof(float)) return;
+    if (!has_hits_) return;
     RTCHitN* const hit = RTCRayHitN_HitN(reinterpret_cast<RTCRayHitN*>(at), width_);
     RTCHitN_geomID(hit, width_, lane) = RTC_INVALID_GEOMETRY_ID;
     RTCHitN_instID(hit, width_, lane, 0) = RTC_INVALID_GEOMETRY_ID;
   }
 
   unsigned width_;
+  bool has_hits_;
   std::size_t floats_;  // of a packet
   Buffer<float> memory_;
   Buffer<int> valid_;
