@@ -168,7 +168,8 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
       real_number(0, 0.99), "X");
   add("--max-references", options.max_references, "kd-trees and grids: most references in the leaves,\nper triangle",
       real_number(1, kMaxKdReferences), "X");
-  add("--grid-density", options.grid_density, "grids: cells per triangle", real_number(1e-6, kMaxGridDensity), "X");
+  add("--grid-density", options.grid_density, "grids: cells per triangle; 0: as the cost model\nof the build wants",
+      real_number(0, kMaxGridDensity), "X");
   add_grid_options(app, options);
 }
 

@@ -30,8 +30,8 @@ Status validate_grid_options(const BuildOptions& options) {
   if (product > kMaxGridCells)
     return Error{"build option grid_resolution makes " + std::to_string(product) + " cells; the most is " +
                  std::to_string(kMaxGridCells)};
-  if (!(options.grid_density > 0.0f && options.grid_density <= kMaxGridDensity))
-    return Error{"build option grid_density must lie in (0, 1e6]"};
+  if (!(options.grid_density >= 0.0f && options.grid_density <= kMaxGridDensity))
+    return Error{"build option grid_density must lie in [0, 1e6]"};
   return Done{};
 }
 

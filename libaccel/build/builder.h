@@ -54,9 +54,10 @@ struct BuildOptions {
   // triangles.
   float max_references = 16.0f;
 
-  // Grids: cells along each axis or, where they are 0, as many as make this many cells a triangle (build/grid.h).
+  // Grids: cells along each axis or, where they are 0, cells a triangle or, where that is 0 too, as many as the cost model
+  // wants (build/grid.h).
   int grid_resolution[3] = {0, 0, 0};
-  float grid_density = 8.0f;
+  float grid_density = 0.0f;
 
   Progress progress;
 };

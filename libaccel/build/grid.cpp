@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "libaccel/build/build_context.h"
+#include "libaccel/build/grid_cost.h"
 #include "libaccel/build/grid_overlap.h"
 #include "libaccel/build/parallel.h"
 #include "libaccel/build/references.h"
@@ -23,6 +25,12 @@ std::uint32_t fetch_add(std::uint32_t& counter, std::uint32_t amount) {
 
 std::string text_of(const GridResolution& r) {
   return std::to_string(r.x) + " x " + std::to_string(r.y) + " x " + std::to_string(r.z);
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
 }
 
 // Planes from the lower corner of `bounds` to its upper corner or, by rounding, beyond.
@@ -49,7 +57,7 @@ class Build {
   }
 
   Result<Grid> run() {
-    if (Status status = context_.options.grid_resolution[0] > 0 ? count_as_told() : count_by_density(); !status)
+    if (Status status = context_.options.grid_resolution[0] > 0 ? count_as_told() : count_as_chosen(); !status)
       return status.error();
     if (Status status = fill(); !status) return status.error();
     return std::move(grid_);
@@ -67,8 +75,8 @@ class Build {
   }
 
   // Halves the number of cells until the references fit: one cell holds each triangle once.
-  Status count_by_density() {
-    double cells = static_cast<double>(context_.options.grid_density) * static_cast<double>(grid_.leaves.triangles.size());
+  Status count_as_chosen() {
+    double cells = choose_cells();
     const GridResolution wanted = choose_grid_resolution(bounds_, cells);
     GridResolution resolution = wanted;
     for (;;) {
@@ -83,6 +91,25 @@ class Build {
                                        "made coarser, because its cells hold more than " + std::to_string(most_references_) +
                                            " references; raise max_references to allow them"});
     return Done{};
+  }
+
+  // As many as the density makes or, without one, as cost least.
+  double choose_cells() {
+    const auto triangles = static_cast<double>(grid_.leaves.triangles.size());
+    const BuildOptions& options = context_.options;
+    if (options.grid_density > 0) return static_cast<double>(options.grid_density) * triangles;
+    context_.begin_phase("choose");
+    const GridCost cost(context_, grid_.leaves.triangles.span(), bounds_);
+    const double cells = cost.cheapest_cells(options, static_cast<double>(most_references_));
+    const GridResolution resolution = choose_grid_resolution(bounds_, cells);
+    const GridLineCost box = cost.through_box(resolution), core = cost.through_core(resolution);
+    context_.report.notes.push_back(
+        {"a grid of " + text_of(resolution) + " cells",
+         "chosen, " + number(static_cast<double>(resolution.cells()) / triangles) +
+             " a triangle, because lines are expected to cost least: through the box of the scene " + number(box.cells) +
+             " cells and " + number(box.tests) + " tests, through the box of its middle triangles " + number(core.cells) +
+             " and " + number(core.tests)});
+    return cells;
   }
 
   // Counts the references of each cell; false, with counts that mean nothing, if there are more than allowed.

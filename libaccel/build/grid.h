@@ -1,12 +1,12 @@
 // Builds a Grid by counting: how many triangles reach into each cell, where each cell's references start, and the references.
 //
-// Resolution: cells are as cubical as whole numbers allow, and there are grid_density of them a triangle, as in Cleary and
-// Wyvill 1988 and Wald et al. 2006, "Ray Tracing Animated Scenes using Coherent Grid Traversal", section 4.2: along axis a
-// extent_a * cbrt(density * triangles / volume), which keeps both steps and tests at O(cbrt(n)) for a ray through an evenly
-// filled scene. Deviation: axes that are shorter than such a cell get one cell and do not count, so that flat and long scenes
-// get as many cells as others. grid_resolution overrides the rule. The default density, 8, costs at most a quarter more time
-// than the best of 1/2 to 64 for most of six scenes and both primary and diffuse rays; scenes of one empty room want 1,
-// teapots in stadiums 64 and more.
+// Resolution: cells are as cubical as whole numbers allow, and there are as many of them as make rays cheapest by the cost
+// model of grid_cost.h. Where they are is as in Cleary and Wyvill 1988 and Wald et al. 2006, "Ray Tracing Animated Scenes using
+// Coherent Grid Traversal", section 4.2: along axis a extent_a * cbrt(cells / volume). Deviations: axes that are shorter than
+// such a cell get one cell and do not count, so that flat and long scenes get as many cells as others; and the cells a triangle
+// are no constant, for scans and rooms want 1 to 4, rooms with much small detail 4 to 8, and teapots in stadiums 64 and more.
+// grid_density is the cells a triangle where it is not 0, grid_resolution overrides both, and the report has a note of the
+// choice.
 //
 // Memory is bounded: where the cells would hold more than max_references references a triangle (large triangles in a fine
 // grid), the number of cells is halved until they do not, and the report has a note; a given resolution is an error then. Up to

@@ -229,7 +229,7 @@ TEST(GridBuilder, MeaninglessOptionsAreRefused) {
   EXPECT_TRUE(refuses([](BuildOptions& o) { o = with_resolution(5, -1, 5); }));
   EXPECT_TRUE(refuses([](BuildOptions& o) { o = with_resolution(5, 5, kMaxGridResolution + 1); }));
   EXPECT_TRUE(refuses([](BuildOptions& o) { o = with_resolution(60000, 60000, 60000); }));
-  EXPECT_TRUE(refuses([](BuildOptions& o) { o.grid_density = 0; }));
+  EXPECT_TRUE(refuses([](BuildOptions& o) { o.grid_density = -1; }));
   EXPECT_TRUE(refuses([&](BuildOptions& o) { o.grid_density = nan; }));
 }
 
