@@ -103,12 +103,12 @@ class Build {
     const double cells = cost.cheapest_cells(options, static_cast<double>(most_references_));
     const GridResolution resolution = choose_grid_resolution(bounds_, cells);
     const GridLineCost box = cost.through_box(resolution), core = cost.through_core(resolution);
-    context_.report.notes.push_back(
-        {"a grid of " + text_of(resolution) + " cells",
-         "chosen, " + number(static_cast<double>(resolution.cells()) / triangles) +
-             " a triangle, because lines are expected to cost least: through the box of the scene " + number(box.cells) +
-             " cells and " + number(box.tests) + " tests, through the box of its middle triangles " + number(core.cells) +
-             " and " + number(core.tests)});
+    context_.report.notes.push_back({"a grid of " + text_of(resolution) + " cells",
+                                     "chosen, " + number(static_cast<double>(resolution.cells()) / triangles) +
+                                         " a triangle: the cheapest by expected cost; a line through the scene enters " +
+                                         number(box.cells) + " cells and tests " + number(box.tests) +
+                                         " triangles, one through its middle triangles " + number(core.cells) + " and " +
+                                         number(core.tests)});
     return cells;
   }
 
