@@ -70,6 +70,27 @@ void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->group("What to trace");
 }
 
+// Of rays that are sorted or traced together. Hits do not depend on them.
+void add_packet_options(CLI::App& app, PacketOptions& packets) {
+  app.add_option("--cell-fraction", packets.cell_fraction,
+                 "ray-hash, breadth-first: cells of origins, as a share of the\nscene's diagonal")
+      ->check(CLI::Range(2e-5f, 1.0f))
+      ->capture_default_str()
+      ->type_name("X")
+      ->group("Measuring and checking");
+  app.add_option("--packet-size", packets.max_size, "breadth-first: most rays in a packet")
+      ->check(whole_number(1, kMaxPacketSize))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group("Measuring and checking");
+  app.add_option("--packet-block", packets.block_size,
+                 "breadth-first: rays that are prepared together; each takes some\n40 bytes of memory in each thread")
+      ->check(whole_number(1, 1u << 28))
+      ->capture_default_str()
+      ->type_name("N")
+      ->group("Measuring and checking");
+}
+
 void add_rays(CLI::App& app, TraceSettings& settings) {
   const auto add = [&](const char* flag, auto& value, const char* what, CLI::Validator valid) {
     app.add_option(flag, value, what)->check(std::move(valid))->capture_default_str()->type_name("N")->group("Rays");
@@ -113,11 +134,7 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
                  "costs and gains each method")
       ->type_name("NAME")
       ->group("Measuring and checking");
-  app.add_option("--cell-fraction", settings.cell_fraction, "ray-hash: cells, as a share of the scene's diagonal")
-      ->check(CLI::Range(2e-5f, 1.0f))
-      ->capture_default_str()
-      ->type_name("X")
-      ->group("Measuring and checking");
+  add_packet_options(app, settings.packets);
   app.add_option("--profile", raw.profile,
                  "what the rays would cost: simt, in warps of 32 lanes;\n"
                  "multipass, as streams through small kernels")

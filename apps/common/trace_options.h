@@ -10,6 +10,7 @@
 #include "libaccel/exec/counters.h"
 #include "libaccel/exec/multipass_profile.h"
 #include "libaccel/exec/simt_profile.h"
+#include "libaccel/packet/packet_options.h"
 #include "libaccel/packet/ray_order.h"
 
 namespace accel::apps {
@@ -39,7 +40,7 @@ struct TraceSettings {
   std::uint64_t judge_limit = 0;    // 0: none
 
   std::optional<RaySort> sort;   // measure sorted rays, too
-  float cell_fraction = 0.004f;  // RayOrderOptions::cell_fraction
+  PacketOptions packets;         // its cell_fraction is that of the sort, too
 
   bool profile_simt = false, profile_multipass = false;
   SimtSchedule schedule = SimtSchedule::while_while;

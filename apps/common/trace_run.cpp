@@ -138,7 +138,7 @@ class TraceRun {
     if (settings_.sort) {
       bar_.begin("sorting " + kind);
       sorted = sorted_rays(batch->rays(), scene_.facts.bounds,
-                           {*settings_.sort, settings_.cell_fraction, settings_.common.threads}, settings_.repeat);
+                           {*settings_.sort, settings_.packets.cell_fraction, settings_.common.threads}, settings_.repeat);
       for (Engine engine : engines_) {
         engine.name += ", sorted", engine.own_rays = sorted->rays.span();
         engines.push_back(std::move(engine));
@@ -346,7 +346,7 @@ class TraceRun {
       terminal_.warning("no repro bundle: " + written.failure().message);
   }
 
-  TraceOptions trace_options() const { return {settings_.common.threads, settings_.test}; }
+  TraceOptions trace_options() const { return {settings_.common.threads, settings_.test, settings_.packets}; }
 
   const TraceSettings& settings_;
   const Terminal& terminal_;

@@ -11,8 +11,10 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "libaccel/core/threads.h"
+#include "libaccel/exec/batch_settings.h"
 #include "libaccel/exec/batch_traverser.h"
 #include "libaccel/exec/counters.h"
 #include "libaccel/exec/drive.h"
@@ -40,19 +42,21 @@ void for_each_block(std::size_t count, int threads, const Body& body, std::size_
 
 // Block by block: each task has its own buffers. May throw std::bad_alloc.
 template <class Traverser, class Answer>
-void trace_batch(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Answer> answers, int threads) {
+void trace_batch(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Answer> answers,
+                 const BatchSettings& settings) {
   const auto trace_singly = [&view](const Ray& ray) {
     NullObserver observer;
     return trace_ray<Traverser>(view, ray, observer);
   };
   using Batch = typename Traverser::template Batch<decltype(trace_singly)>;
-  const typename Batch::Options options;
+  typename Batch::Options options;
+  if constexpr (std::is_same_v<decltype(options), PacketOptions>) options = settings.packets;
   if (rays.size() < options.min_size) {
     for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly(rays[i]), answers[i]);
     return;
   }
   for_each_block(
-      rays.size(), threads,
+      rays.size(), settings.threads,
       [&](std::size_t begin, std::size_t end) {
         Batch batch(view, options, trace_singly);
         batch.trace(rays.subspan(begin, end - begin), answers.subspan(begin, end - begin));
@@ -62,10 +66,11 @@ void trace_batch(const typename Traverser::View& view, std::span<const Ray> rays
 
 // hits[i] is what rays[i] meets first. Both spans have the same size.
 template <class Traverser>
-void trace_closest(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
+void trace_closest(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Hit> hits,
+                   const BatchSettings& settings) {
   ACCEL_ASSERT(rays.size() == hits.size());
-  if constexpr (BatchTraverser<Traverser>) return trace_batch<Traverser>(view, rays, hits, threads);
-  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+  if constexpr (BatchTraverser<Traverser>) return trace_batch<Traverser>(view, rays, hits, settings);
+  for_each_block(rays.size(), settings.threads, [&](std::size_t begin, std::size_t end) {
     NullObserver observer;
     for (std::size_t i = begin; i < end; ++i) hits[i] = trace_ray<Traverser>(view, rays[i], observer);
   });
@@ -73,10 +78,11 @@ void trace_closest(const typename Traverser::View& view, std::span<const Ray> ra
 
 // occluded[i] is 1 where rays[i] meets anything, else 0.
 template <class Traverser>
-void trace_any(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
+void trace_any(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
+               const BatchSettings& settings) {
   ACCEL_ASSERT(rays.size() == occluded.size());
-  if constexpr (BatchTraverser<Traverser>) return trace_batch<Traverser>(view, rays, occluded, threads);
-  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
+  if constexpr (BatchTraverser<Traverser>) return trace_batch<Traverser>(view, rays, occluded, settings);
+  for_each_block(rays.size(), settings.threads, [&](std::size_t begin, std::size_t end) {
     NullObserver observer;
     for (std::size_t i = begin; i < end; ++i) store_answer(trace_ray<Traverser>(view, rays[i], observer), occluded[i]);
   });

@@ -9,15 +9,13 @@
 
 #include "libaccel/core/hit.h"
 #include "libaccel/packet/frustum.h"
+#include "libaccel/packet/packet_options.h"
 #include "libaccel/structure/bvh2.h"
 #include "libaccel/trace/box_pair.h"
 #include "libaccel/trace/leaf.h"
 #include "libaccel/trace/traverser.h"
 
 namespace accel {
-
-// The most rays of a packet.
-inline constexpr std::uint32_t kMaxPacketSize = 512;
 
 // Packets with what their frustums meet. All rays of the packets can be traced.
 struct LocalizedBatch {

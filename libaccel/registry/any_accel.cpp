@@ -136,14 +136,18 @@ Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const T
   const auto test = find_test(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, hits); !s) return s;
-  return with_memory([&] { state_->entry->tests[*test].closest(state_->structure, rays, hits, options.threads); });
+  return with_memory([&] {
+    state_->entry->tests[*test].closest(state_->structure, rays, hits, {options.threads, options.packets});
+  });
 }
 
 Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options) const {
   const auto test = find_test(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, occluded); !s) return s;
-  return with_memory([&] { state_->entry->tests[*test].occluded(state_->structure, rays, occluded, options.threads); });
+  return with_memory([&] {
+    state_->entry->tests[*test].occluded(state_->structure, rays, occluded, {options.threads, options.packets});
+  });
 }
 
 // Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more.

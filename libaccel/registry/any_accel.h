@@ -18,6 +18,7 @@
 #include "libaccel/exec/multipass_profile.h"
 #include "libaccel/exec/simt_profile.h"
 #include "libaccel/geometry/instanced_meshes.h"
+#include "libaccel/packet/packet_options.h"
 #include "libaccel/registry/any_structure.h"
 
 namespace accel {
@@ -52,6 +53,7 @@ std::string best_method(const Purpose& purpose = {});
 struct TraceOptions {
   int threads = 0;        // 0: as many as the machine has; 1: the calling thread alone
   std::string_view test;  // a name of triangle_tests(); empty: the first
+  PacketOptions packets;  // for methods that trace batches as packets; hits do not depend on them
 };
 
 class AnyAccel {

@@ -42,13 +42,14 @@ struct TestFunctions {
     return query == Query::closest ? run_on<Method, Closest>(structure, run) : run_on<Method, Any>(structure, run);
   }
 
-  static void closest(const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, int threads) {
+  static void closest(const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, const BatchSettings& settings) {
     run_on<Method, Closest>(
-        s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_closest<T>(view, rays, hits, threads); });
+        s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_closest<T>(view, rays, hits, settings); });
   }
-  static void occluded(const AnyStructure& s, std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) {
-    run_on<Method, Any>(s,
-                        [&]<class T>(const auto& view, std::type_identity<T>) { trace_any<T>(view, rays, occluded, threads); });
+  static void occluded(const AnyStructure& s, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
+                       const BatchSettings& settings) {
+    run_on<Method, Any>(
+        s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_any<T>(view, rays, occluded, settings); });
   }
   static Counters count(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
                         int threads, RayCounter counter) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "libaccel/exec/batch_settings.h"
 #include "libaccel/registry/any_accel.h"
 #include "libaccel/registry/method.h"
 
@@ -16,8 +17,8 @@ namespace accel {
 
 // What a method can do with a structure, for one triangle test. One function pointer a query: no virtual calls inside.
 struct TestEntry {
-  void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, int threads);
-  void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, int threads);
+  void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, const BatchSettings&);
+  void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, const BatchSettings&);
   Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t>, int threads, RayCounter);
   SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const SimtOptions&, int threads);
   MultipassProfile (*multipass)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const MultipassOptions&,
