@@ -123,7 +123,7 @@ class PacketTracer {
     trace_frustums();
     way_ = 4 * order_.ids().size() > 3 * rays_.size() ? Way::groups : Way::frustums;
     const GroupWork work = trace_groups();
-    if (way_ == Way::groups && work.rays < least_rays_in_step * work.nodes) way_ = Way::singly;
+    if (way_ == Way::groups && work.rays <= least_rays_in_step * work.nodes) way_ = Way::singly;
     return way_ != Way::singly;
   }
 
