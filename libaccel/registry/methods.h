@@ -12,6 +12,7 @@
 #include "libaccel/build/kdtree_sah.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/build/triangle_list.h"
+#include "libaccel/build/wide_sbvh.h"
 #include "libaccel/core/type_list.h"
 #include "libaccel/packet/bvh2_breadth_first.h"
 #include "libaccel/registry/method.h"
@@ -23,6 +24,7 @@
 #include "libaccel/trace/bvh2_skip.h"
 #include "libaccel/trace/bvh2_stack.h"
 #include "libaccel/trace/bvh2_uncle.h"
+#include "libaccel/trace/bvh8_ordered.h"
 #include "libaccel/trace/grid_dda.h"
 #include "libaccel/trace/instances_hash.h"
 #include "libaccel/trace/instances_stack.h"
@@ -47,6 +49,7 @@ using Methods = TypeList<                     //
     Method<Sbvh, Bvh2SkipOctant>,             // sbvh/skip-octant
     Method<BinnedSah, Bvh2BreadthFirst>,      // bvh/breadth-first
     Method<Sbvh, Bvh2BreadthFirst>,           // sbvh/breadth-first
+    Method<WideSbvh, Bvh8Ordered>,            // bvh8/ordered
     Method<GridBuilder, GridDda>,             // grid/dda
     Method<KdTreeSah, KdTreeStack>,           // kdtree/stack
     Method<KdTreeSah, KdTreeRestart>,         // kdtree/restart

@@ -1,0 +1,99 @@
+// The eight-wide bounding-volume hierarchy: what a CPU tests with one stream of instructions.
+//
+// Wald, Benthin and Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-Branching BVHs";
+// Ernst and Greiner 2008, "Multi Bounding Volume Hierarchies". A node has the boxes of its children, by plane, so that a ray
+// tests all eight at once; leaves are runs of triangle blocks (structure/triangle_block.h), of which four triangles are tested
+// at once.
+//
+// Order. Which child comes first depends on the ray; a node has the answer for each octant of directions, so that traversal
+// sorts nothing: it moves the children into that order and keeps those that are hit (trace/bvh8_ordered.h).
+//
+// Places without a child have an inverted, infinite box, which no ray enters, and come after all others.
+//
+// Invariants: every inner node but the root is the child of exactly one node; every block belongs to exactly one leaf, and
+// leaves follow each other without gaps; depth is the largest number of inner nodes on a path; each octant's order is a
+// permutation; a child's box contains the boxes of that child's children, and the parts of its triangles that the child stands
+// for (a spatial split may give a triangle to several leaves). Builders keep them; validate() proves all but the last for
+// files, which a traversal needs to find its hits but not to be safe.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "libaccel/core/aabb.h"
+#include "libaccel/structure/arrays.h"
+#include "libaccel/structure/node_hash.h"
+#include "libaccel/structure/triangle_block.h"
+
+namespace accel {
+
+inline constexpr std::uint32_t kBvh8Arity = 8;
+
+// A reference is a node by index, kNoNode, or, with the leaf bit set, a leaf: its first block, and how many it has. Leaves of
+// more than kMostCounted blocks have no count and end in a block of their own, which is empty.
+inline constexpr std::uint32_t kBlockBits = 28, kMostCounted = 6;
+inline constexpr std::uint32_t kMaxBlocks = 1u << kBlockBits;
+ACCEL_HD std::uint32_t first_block(NodeRef leaf) { return leaf & (kMaxBlocks - 1); }
+ACCEL_HD std::uint32_t counted_blocks(NodeRef leaf) { return (leaf & ~kLeafBit) >> kBlockBits; }  // 0: until an empty one
+ACCEL_HD NodeRef block_ref(std::uint32_t first, std::uint32_t count) {
+  return kLeafBit | (count <= kMostCounted ? count : 0u) << kBlockBits | first;
+}
+
+struct alignas(64) Bvh8Node {
+  float planes[3][2][kBvh8Arity];   // per axis: lower planes of the children, and upper ones
+  NodeRef child[kBvh8Arity];        // those there are come first; kNoNode behind them
+  std::uint32_t order[kBvh8Arity];  // bits 3 o to 3 o + 2 of word i: the child that comes as number i for octant o
+
+  ACCEL_HD Aabb bounds(std::uint32_t c) const {
+    return {{planes[0][0][c], planes[1][0][c], planes[2][0][c]}, {planes[0][1][c], planes[1][1][c], planes[2][1][c]}};
+  }
+  ACCEL_HD std::uint32_t ordered(std::uint32_t i, std::uint32_t octant) const { return order[i] >> 3 * octant & 7u; }
+
+  void set_child(std::uint32_t c, NodeRef ref, const Aabb& box) {
+    child[c] = ref;
+    for (int a = 0; a < 3; ++a) planes[a][0][c] = box.lo[a], planes[a][1][c] = box.hi[a];
+  }
+};
+static_assert(sizeof(Bvh8Node) == 256 && std::is_trivially_copyable_v<Bvh8Node>);
+
+struct Bvh8View {
+  const Bvh8Node* nodes = nullptr;
+  const TriangleBlock* blocks = nullptr;
+  NodeRef root = kNoNode;  // kNoNode: an empty scene
+  std::uint32_t depth = 0;
+};
+
+// What of a Bvh8 is no array.
+struct Bvh8Words {
+  NodeRef root = kNoNode;
+  std::uint32_t depth = 0;       // inner nodes on the longest path from the root
+  std::uint64_t references = 0;  // triangles in the leaves, with repetitions
+  Aabb bounds;                   // of the whole tree
+};
+static_assert(sizeof(Bvh8Words) == 40 && std::is_trivially_copyable_v<Bvh8Words>);
+
+// The owning structure.
+struct Bvh8 : Bvh8Words {
+  static constexpr const char* kName = "bvh8";
+  using View = Bvh8View;
+  using Words = Bvh8Words;
+
+  Buffer<Bvh8Node> nodes;
+  Buffer<TriangleBlock> blocks;
+
+  template <class Self, class Visit>
+  static void for_each_array(Self& self, Visit&& visit) {
+    visit("nodes", self.nodes);
+    visit("blocks", self.blocks);
+  }
+  std::size_t size_bytes() const { return bytes_of_arrays(*this); }
+  Bvh8View view() const { return {nodes.data(), blocks.data(), root, depth}; }
+};
+
+// The blocks of a leaf of a valid tree.
+std::uint32_t block_count(const Bvh8& bvh, NodeRef leaf);
+
+// Proves every invariant that traversal relies on, whatever the bytes are.
+Status validate(const Bvh8& bvh, std::uint64_t triangle_count);
+
+}  // namespace accel

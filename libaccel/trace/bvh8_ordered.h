@@ -1,0 +1,173 @@
+// Ordered traversal of a Bvh8 with a stack.
+//
+// All children's boxes are tested at their parent. Those that the ray enters go onto the stack in the node's order for the
+// octant of the ray's direction, the nearest last, each with its entry distance, so that it can be dropped unread when a nearer
+// hit has been found meanwhile. The box test is that of trace/box_pair.h, plane by plane.
+//
+// Why an order by octant. Sorting by distance visits fewer nodes, but few; what it costs a CPU is branches that nobody
+// predicts.
+//
+// On CPUs batches with the watertight test are traced by trace/bvh8_simd.h, the same steps with eight boxes or four triangles
+// at once: this is its scalar twin, which names the same hits bit for bit, and what counters, models of machines, multi-hit
+// queries and devices run.
+#pragma once
+
+#include <span>
+#include <type_traits>
+
+#include "libaccel/geometry/watertight.h"
+#include "libaccel/structure/bvh8.h"
+#include "libaccel/trace/box_pair.h"
+#include "libaccel/trace/bvh8_simd.h"
+#include "libaccel/trace/traverser.h"
+
+namespace accel {
+
+// Batches of a method on a CPU: see exec/cpu.h.
+template <class Test, Query kQuery, class TraceSingly>
+class Bvh8Batch {
+ public:
+  struct Options {
+    std::size_t min_size = 0, block_size = 1024;
+  };
+  using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
+
+  Bvh8Batch(const Bvh8View& view, const Options&, const TraceSingly& trace_singly) : view_(view), trace_singly_(trace_singly) {}
+
+  void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
+    if constexpr (!std::is_same_v<Test, Watertight>)
+      for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly_(rays[i]), answers[i]);
+    else if constexpr (kQuery == Query::closest)
+      intersect_bvh8_simd(view_, rays, answers);
+    else
+      occlude_bvh8_simd(view_, rays, answers);
+  }
+
+ private:
+  const Bvh8View& view_;
+  const TraceSingly& trace_singly_;
+};
+
+template <class Test, Query kQuery, std::uint32_t kDepth>
+struct Bvh8OrderedWithin {
+  static constexpr const char* kName = "ordered";
+  using View = Bvh8View;
+  static constexpr std::uint32_t kMaxDepth = kDepth;
+
+  struct Postponed {
+    NodeRef node;
+    float t_near;
+  };
+  struct Stack {
+    Postponed entries[bvh8_stack_size(kDepth)];
+  };
+  struct State {
+    ScalarBoxPairTest boxes;
+    typename Test::RayData test;
+    std::uint32_t octant;
+    NodeRef node;               // while descending
+    std::uint32_t block, lane;  // in a leaf: the triangle that comes next
+    std::uint32_t left;         // blocks of the leaf from there on, or 0: until an empty one
+    int postponed;              // entries on the stack
+    Stack* stack;
+  };
+
+  template <class Observer>
+  ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
+    begin_hit(ray, hit);
+    if (view.root == kNoNode || !is_traceable(ray)) return Phase::done;
+    state.boxes = ScalarBoxPairTest::prepare(ray, first_t(ray));
+    state.test = Test::prepare(ray);
+    state.octant = octant_of(state.boxes);
+    state.postponed = 0;
+    return enter(state, view.root, observer);
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
+    const Bvh8Node& node = view.nodes[state.node];
+    observer.node_step();
+    observer.load(Memory::node, &node, sizeof node);
+    observer.box_tests(kBvh8Arity);
+    for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
+      const std::uint32_t c = node.ordered(i, state.octant);
+      float t_near;
+      if (!enters(state.boxes, node, c, hit.t, t_near)) continue;
+      Postponed& entry = state.stack->entries[state.postponed++];
+      observer.store(Memory::stack, &entry, sizeof entry);
+      entry = {node.child[c], t_near};
+    }
+    return Phase::backtrack;
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
+    const TriangleBlock& block = view.blocks[s.block];
+    if (s.lane == 0) observer.load(Memory::triangle, &block, sizeof block);
+    if (block.has(s.lane)) {
+      observer.triangle_test();
+      Hit candidate;
+      if (Test::intersect(block.packed(s.lane), ray, s.test, candidate)) {
+        candidate.prim_id = block.prim_id[s.lane];
+        if (accept_hit(candidate, s.boxes.t_min, hit) && kQuery == Query::any) return Phase::done;
+      }
+      if (++s.lane < kBlockLanes) return Phase::intersect;
+    } else if (s.lane == 0) {
+      return Phase::backtrack;
+    }
+    ++s.block, s.lane = 0;
+    if (s.left == 0) return Phase::intersect;
+    return --s.left == 0 ? Phase::backtrack : Phase::intersect;
+  }
+
+  template <class Observer>
+  ACCEL_HD static Phase backtrack(const View&, const Ray&, State& state, [[maybe_unused]] Hit& hit, Observer& observer) {
+    if (state.postponed == 0) return Phase::done;
+    observer.backtrack();
+    const Postponed& entry = state.stack->entries[--state.postponed];
+    observer.load(Memory::stack, &entry, sizeof entry);
+    return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node, observer) : Phase::backtrack;
+  }
+
+ private:
+  template <class Observer>
+  ACCEL_HD static Phase enter(State& state, NodeRef node, Observer& observer) {
+    if (!is_leaf(node)) {
+      state.node = node;
+      return Phase::descend;
+    }
+    state.block = first_block(node), state.lane = 0, state.left = counted_blocks(node);
+    observer.leaf_visit(state.block);
+    return Phase::intersect;
+  }
+
+  // Whether the ray enters a child within [t_min, t_max], and where.
+  ACCEL_HD static bool enters(const ScalarBoxPairTest& ray, const Bvh8Node& node, std::uint32_t c, float t_max, float& enter) {
+    float leave = t_max;
+    enter = ray.t_min;
+    for (int a = 0; a < 3; ++a) {
+      const int backwards = ray.near_at[a] != 0 ? 1 : 0;
+      enter = max_of((node.planes[a][backwards][c] - ray.org[a]) * ray.inv_near[a], enter);
+      leave = min_of((node.planes[a][backwards ^ 1][c] - ray.org[a]) * ray.inv_far[a], leave);
+    }
+    return enter <= leave * kFarScale;
+  }
+};
+
+// Trees of this depth have billions of triangles, unless they are degenerate: less memory for each ray of a device.
+inline constexpr std::uint32_t kShallowBvh8 = 24;
+
+template <class Test, Query kQuery>
+struct ShallowBvh8Ordered : Bvh8OrderedWithin<Test, kQuery, kShallowBvh8> {
+  static constexpr bool kForDevices = true;
+};
+
+template <class Test, Query kQuery>
+struct Bvh8Ordered : Bvh8OrderedWithin<Test, kQuery, kMostBvh8Depth> {
+  using Specialisations = TypeList<ShallowBvh8Ordered<Test, kQuery>>;
+
+  template <class TraceSingly>
+  using Batch = Bvh8Batch<Test, kQuery, TraceSingly>;
+};
+
+}  // namespace accel

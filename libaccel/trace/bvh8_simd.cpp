@@ -1,0 +1,226 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "libaccel/trace/bvh8_simd.cpp"
+#include <hwy/foreach_target.h>
+// Above all other headers.
+#include <hwy/highway.h>
+
+#include <bit>
+
+#include "libaccel/geometry/watertight.h"
+#include "libaccel/trace/bvh8_simd.h"
+#include "libaccel/trace/traverser.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace accel {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+const hn::CappedTag<float, kBvh8Arity> kBoxes;
+const hn::RebindToUnsigned<decltype(kBoxes)> kRefs;
+const hn::CappedTag<float, kBlockLanes> kTriangles;
+using Boxes = decltype(hn::Zero(kBoxes));
+using Triangles = decltype(hn::Zero(kTriangles));
+
+// min_of(), max_of(): the second where one is NaN. What x86 does.
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_ARCH_X86
+template <class V>
+HWY_INLINE V least(V a, V b) {
+  return hn::Min(a, b);
+}
+template <class V>
+HWY_INLINE V most(V a, V b) {
+  return hn::Max(a, b);
+}
+#else
+template <class V>
+HWY_INLINE V least(V a, V b) {
+  return hn::IfThenElse(hn::Lt(a, b), a, b);
+}
+template <class V>
+HWY_INLINE V most(V a, V b) {
+  return hn::IfThenElse(hn::Gt(a, b), a, b);
+}
+#endif
+
+template <class D, class M>
+HWY_INLINE std::uint32_t bits_of(D d, M mask) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, mask, bits);
+  return bits[0];
+}
+
+// What is postponed, and room for a vector behind it.
+struct Stack {
+  alignas(64) NodeRef node[bvh8_stack_size(kMostBvh8Depth)];
+  alignas(64) float t_near[bvh8_stack_size(kMostBvh8Depth)];
+  std::size_t size = 0;
+};
+
+// The box test of a ray, in as many vectors as eight boxes make.
+struct RayBoxes {
+  Boxes org[3], inv_near[3], inv_far[3], t_min;
+  std::size_t near_at[3];  // where near planes are in a node, in floats
+  std::uint32_t octant;
+
+  explicit HWY_INLINE RayBoxes(const ScalarBoxPairTest& ray) {
+    for (int a = 0; a < 3; ++a) {
+      org[a] = hn::Set(kBoxes, ray.org[a]);
+      inv_near[a] = hn::Set(kBoxes, ray.inv_near[a]), inv_far[a] = hn::Set(kBoxes, ray.inv_far[a]);
+      near_at[a] = ray.near_at[a] != 0 ? kBvh8Arity : 0;
+    }
+    t_min = hn::Set(kBoxes, ray.t_min);
+    octant = octant_of(ray);
+  }
+
+  // Of the children from `first` on.
+  HWY_INLINE void meet(const Bvh8Node& node, std::size_t first, Boxes t_max, Boxes& enter, Boxes& leave) const {
+    enter = t_min, leave = t_max;
+    for (int a = 0; a < 3; ++a) {
+      const float* const planes = node.planes[a][0] + first;
+      const Boxes nearer = hn::Load(kBoxes, planes + near_at[a]),
+                  farther = hn::Load(kBoxes, planes + (near_at[a] ^ kBvh8Arity));
+      enter = most(hn::Mul(hn::Sub(nearer, org[a]), inv_near[a]), enter);
+      leave = least(hn::Mul(hn::Sub(farther, org[a]), inv_far[a]), leave);
+    }
+    leave = hn::Mul(leave, hn::Set(kBoxes, kFarScale));
+  }
+};
+
+// Postpones the children that the ray enters, the nearest last.
+HWY_INLINE void push_children(const Bvh8Node& node, const RayBoxes& ray, float t_max, Stack& stack) {
+#if HWY_TARGET <= HWY_AVX2 && HWY_ARCH_X86
+  Boxes enter, leave;
+  ray.meet(node, 0, hn::Set(kBoxes, t_max), enter, leave);
+  const auto order = hn::ShiftRightSame(hn::Load(kRefs, node.order), static_cast<int>(3 * ray.octant));
+  const auto in_order = hn::IndicesFromVec(kBoxes, hn::And(order, hn::Set(kRefs, 7u)));
+  const auto refs_in_order = hn::IndicesFromVec(kRefs, hn::And(order, hn::Set(kRefs, 7u)));
+  enter = hn::TableLookupLanes(enter, in_order), leave = hn::TableLookupLanes(leave, in_order);
+  const auto refs = hn::TableLookupLanes(hn::Load(kRefs, node.child), refs_in_order);
+  const auto entered = hn::Le(enter, leave);
+  hn::StoreU(hn::Compress(enter, entered), kBoxes, stack.t_near + stack.size);
+  hn::StoreU(hn::Compress(refs, hn::RebindMask(kRefs, entered)), kRefs, stack.node + stack.size);
+  stack.size += hn::CountTrue(kBoxes, entered);
+#else
+  alignas(64) float t_near[kBvh8Arity];
+  std::uint32_t entered = 0;
+  for (std::size_t first = 0; first < kBvh8Arity; first += hn::Lanes(kBoxes)) {
+    Boxes enter, leave;
+    ray.meet(node, first, hn::Set(kBoxes, t_max), enter, leave);
+    hn::Store(enter, kBoxes, t_near + first);
+    entered |= bits_of(kBoxes, hn::Le(enter, leave)) << first;
+  }
+  if (entered == 0) return;
+  for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
+    const std::uint32_t c = node.ordered(i, ray.octant);
+    stack.node[stack.size] = node.child[c], stack.t_near[stack.size] = t_near[c];
+    stack.size += entered >> c & 1u;
+  }
+#endif
+}
+
+// Watertight::project() of the triangles of a block from lane `first` on, as far as it decides: which may be hit.
+HWY_INLINE std::uint32_t find_candidates(const TriangleBlock& block, const Watertight::RayData& ray, std::size_t first) {
+  const auto set = [](float x) HWY_ATTR { return hn::Set(kTriangles, x); };
+  const auto load = [=](const float* from) HWY_ATTR { return hn::Load(kTriangles, from + first); };
+  const auto &vx = block.vertex[ray.kx], &vy = block.vertex[ray.ky], &vz = block.vertex[ray.kz];
+  Triangles x[3], y[3];
+  for (int i = 0; i < 3; ++i) {
+    const Triangles z = hn::Sub(load(vz[i]), set(ray.org_z));
+    x[i] = hn::Sub(hn::Sub(load(vx[i]), set(ray.org_x)), hn::Mul(set(ray.shear_x), z));
+    y[i] = hn::Sub(hn::Sub(load(vy[i]), set(ray.org_y)), hn::Mul(set(ray.shear_y), z));
+  }
+  const Triangles e0 = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
+  const Triangles e1 = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
+  const Triangles e2 = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
+  // Where one is NaN, all are: the lane is empty.
+  const Triangles lowest = least(least(e0, e1), e2), highest = most(most(e0, e1), e2), zero = hn::Zero(kTriangles);
+  return bits_of(kTriangles, hn::Or(hn::Ge(lowest, zero), hn::Le(highest, zero))) << first;
+}
+
+// A leaf's triangles. Returns whether an any-hit query has its answer.
+template <Query kQuery>
+HWY_INLINE bool intersect_leaf(const Bvh8View& view, NodeRef leaf, const Ray& ray, const Watertight::RayData& data, float t_min,
+                               Hit& hit) {
+  const TriangleBlock* block = view.blocks + first_block(leaf);
+  std::uint32_t left = counted_blocks(leaf);
+  const bool is_counted = left != 0;
+  do {
+    if (!is_counted && !block->has(0)) return false;
+    std::uint32_t candidates = 0;
+    for (std::size_t first = 0; first < kBlockLanes; first += hn::Lanes(kTriangles))
+      candidates |= find_candidates(*block, data, first);
+    for (; candidates != 0; candidates &= candidates - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(candidates));
+      Hit candidate;
+      if (!Watertight::intersect(block->packed(lane), ray, data, candidate)) continue;
+      candidate.prim_id = block->prim_id[lane];
+      if (accept_hit(candidate, t_min, hit) && kQuery == Query::any) return true;
+    }
+    ++block;
+  } while (!is_counted || --left != 0);
+  return false;
+}
+
+template <Query kQuery>
+HWY_INLINE Hit trace_one(const Bvh8View& view, const Ray& ray, Stack& stack) {
+  Hit hit;
+  begin_hit(ray, hit);
+  if (view.root == kNoNode || !is_traceable(ray)) return Hit{};
+  const ScalarBoxPairTest scalar = ScalarBoxPairTest::prepare(ray, first_t(ray));
+  const Watertight::RayData data = Watertight::prepare(ray);
+  const RayBoxes boxes(scalar);
+  NodeRef ref = view.root;
+  stack.size = 0;
+  for (;;) {
+    if (!is_leaf(ref)) {
+      push_children(view.nodes[ref], boxes, hit.t, stack);
+    } else if (intersect_leaf<kQuery>(view, ref, ray, data, scalar.t_min, hit)) {
+      return hit;
+    }
+    do {
+      if (stack.size == 0) {
+        finish_hit(hit);
+        return hit;
+      }
+      --stack.size;
+    } while (!(stack.t_near[stack.size] <= hit.t * kFarScale));
+    ref = stack.node[stack.size];
+  }
+}
+
+template <Query kQuery, class Answer>
+HWY_INLINE void trace_all(const Bvh8View& view, const Ray* rays, std::size_t count, Answer* answers) {
+  Stack stack;
+  for (std::size_t i = 0; i < count; ++i) store_answer(trace_one<kQuery>(view, rays[i], stack), answers[i]);
+}
+
+void intersect(const Bvh8View& view, const Ray* rays, std::size_t count, Hit* hits) {
+  trace_all<Query::closest>(view, rays, count, hits);
+}
+void occlude(const Bvh8View& view, const Ray* rays, std::size_t count, std::uint8_t* occluded) {
+  trace_all<Query::any>(view, rays, count, occluded);
+}
+
+const char* target_name() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace accel
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace accel {
+HWY_EXPORT(intersect);
+HWY_EXPORT(occlude);
+HWY_EXPORT(target_name);
+
+void intersect_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<Hit> hits) {
+  HWY_DYNAMIC_DISPATCH(intersect)(view, rays.data(), rays.size(), hits.data());
+}
+void occlude_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded) {
+  HWY_DYNAMIC_DISPATCH(occlude)(view, rays.data(), rays.size(), occluded.data());
+}
+const char* bvh8_simd_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
+}  // namespace accel
+#endif

@@ -1,0 +1,36 @@
+// Ordered traversal of a Bvh8 by single rays with the watertight test, eight boxes or four triangles in SIMD lanes: the twin of
+// trace/bvh8_ordered.h, the same steps with the same operations, hence the same hits bit for bit. Compiled for every target of
+// the machine's family, by Highway; the best that the machine has runs.
+//
+// A candidate that the lanes find is tested once more by the scalar test, which also finds its exact distance: one or two a
+// ray.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "libaccel/core/hit.h"
+#include "libaccel/core/ray.h"
+#include "libaccel/structure/bvh8.h"
+#include "libaccel/trace/box_pair.h"
+
+namespace accel {
+
+// The most inner nodes on a path from the root that are accepted, and what may be postponed on such a path: all children but
+// one of each node, and all of the last; and room for a whole vector to be stored behind that.
+inline constexpr std::uint32_t kMostBvh8Depth = 128;
+constexpr std::uint32_t bvh8_stack_size(std::uint32_t depth) { return (kBvh8Arity - 1) * depth + 1 + kBvh8Arity; }
+
+// Bit a: the direction's component along axis a is negative.
+ACCEL_HD std::uint32_t octant_of(const ScalarBoxPairTest& ray) {
+  return (ray.near_at[0] != 0 ? 1u : 0u) | (ray.near_at[1] != 0 ? 2u : 0u) | (ray.near_at[2] != 0 ? 4u : 0u);
+}
+
+// The tree is no deeper than kMostBvh8Depth. answers[i] is that of rays[i].
+void intersect_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<Hit> hits);
+void occlude_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded);
+
+// The name of the target that runs: "AVX3" and so on.
+const char* bvh8_simd_target();
+
+}  // namespace accel
