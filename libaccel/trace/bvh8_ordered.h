@@ -2,7 +2,7 @@
 //
 // All children's boxes are tested at their parent. Those that the ray enters go onto the stack in the node's order for the
 // octant of the ray's direction, the nearest last, each with its entry distance, so that it can be dropped unread when a nearer
-// hit has been found meanwhile. The box test is that of trace/box_pair.h, plane by plane.
+// hit has been found meanwhile. The box test is that of trace/bvh8_ray.h.
 //
 // Why an order by octant. Sorting by distance visits fewer nodes, but few; what it costs a CPU is branches that nobody
 // predicts.
@@ -17,7 +17,7 @@
 
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/structure/bvh8.h"
-#include "libaccel/trace/box_pair.h"
+#include "libaccel/trace/bvh8_ray.h"
 #include "libaccel/trace/bvh8_simd.h"
 #include "libaccel/trace/traverser.h"
 
@@ -62,9 +62,8 @@ struct Bvh8OrderedWithin {
     Postponed entries[bvh8_stack_size(kDepth)];
   };
   struct State {
-    ScalarBoxPairTest boxes;
+    Bvh8Ray boxes;
     typename Test::RayData test;
-    std::uint32_t octant;
     NodeRef node;               // while descending
     std::uint32_t block, lane;  // in a leaf: the triangle that comes next
     std::uint32_t left;         // blocks of the leaf from there on, or 0: until an empty one
@@ -76,9 +75,8 @@ struct Bvh8OrderedWithin {
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
     begin_hit(ray, hit);
     if (view.root == kNoNode || !is_traceable(ray)) return Phase::done;
-    state.boxes = ScalarBoxPairTest::prepare(ray, first_t(ray));
+    state.boxes = Bvh8Ray::prepare(ray, first_t(ray));
     state.test = Test::prepare(ray);
-    state.octant = octant_of(state.boxes);
     state.postponed = 0;
     return enter(state, view.root, observer);
   }
@@ -89,10 +87,11 @@ struct Bvh8OrderedWithin {
     observer.node_step();
     observer.load(Memory::node, &node, sizeof node);
     observer.box_tests(kBvh8Arity);
+    const float limit = scaled_end(hit.t);
     for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
-      const std::uint32_t c = node.ordered(i, state.octant);
+      const std::uint32_t c = node.ordered(i, state.boxes.octant);
       float t_near;
-      if (!enters(state.boxes, node, c, hit.t, t_near)) continue;
+      if (!state.boxes.enters(node, c, limit, t_near)) continue;
       Postponed& entry = state.stack->entries[state.postponed++];
       observer.store(Memory::stack, &entry, sizeof entry);
       entry = {node.child[c], t_near};
@@ -126,7 +125,7 @@ struct Bvh8OrderedWithin {
     observer.backtrack();
     const Postponed& entry = state.stack->entries[--state.postponed];
     observer.load(Memory::stack, &entry, sizeof entry);
-    return entry.t_near <= hit.t * kFarScale ? enter(state, entry.node, observer) : Phase::backtrack;
+    return entry.t_near <= scaled_end(hit.t) ? enter(state, entry.node, observer) : Phase::backtrack;
   }
 
  private:
@@ -139,18 +138,6 @@ struct Bvh8OrderedWithin {
     state.block = first_block(node), state.lane = 0, state.left = counted_blocks(node);
     observer.leaf_visit(state.block);
     return Phase::intersect;
-  }
-
-  // Whether the ray enters a child within [t_min, t_max], and where.
-  ACCEL_HD static bool enters(const ScalarBoxPairTest& ray, const Bvh8Node& node, std::uint32_t c, float t_max, float& enter) {
-    float leave = t_max;
-    enter = ray.t_min;
-    for (int a = 0; a < 3; ++a) {
-      const int backwards = ray.near_at[a] != 0 ? 1 : 0;
-      enter = max_of((node.planes[a][backwards][c] - ray.org[a]) * ray.inv_near[a], enter);
-      leave = min_of((node.planes[a][backwards ^ 1][c] - ray.org[a]) * ray.inv_far[a], leave);
-    }
-    return enter <= leave * kFarScale;
   }
 };
 

@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "libaccel/geometry/watertight.h"
+#include "libaccel/trace/bvh8_ray.h"
 #include "libaccel/trace/bvh8_simd.h"
 #include "libaccel/trace/traverser.h"
 
@@ -54,7 +55,6 @@ HWY_INLINE std::uint32_t bits_of(D d, M mask) {
 struct Stack {
   alignas(64) NodeRef node[bvh8_stack_size(kMostBvh8Depth)];
   alignas(64) float t_near[bvh8_stack_size(kMostBvh8Depth)];
-  std::size_t size = 0;
 };
 
 // The box test of a ray, in as many vectors as eight boxes make.
@@ -63,59 +63,62 @@ struct RayBoxes {
   std::size_t near_at[3];  // where near planes are in a node, in floats
   std::uint32_t octant;
 
-  explicit HWY_INLINE RayBoxes(const ScalarBoxPairTest& ray) {
+  explicit HWY_INLINE RayBoxes(const Bvh8Ray& ray) {
     for (int a = 0; a < 3; ++a) {
       org[a] = hn::Set(kBoxes, ray.org[a]);
       inv_near[a] = hn::Set(kBoxes, ray.inv_near[a]), inv_far[a] = hn::Set(kBoxes, ray.inv_far[a]);
-      near_at[a] = ray.near_at[a] != 0 ? kBvh8Arity : 0;
+      near_at[a] = (ray.octant >> a & 1u) != 0 ? kBvh8Arity : 0;
     }
     t_min = hn::Set(kBoxes, ray.t_min);
-    octant = octant_of(ray);
+    octant = ray.octant;
   }
 
-  // Of the children from `first` on.
-  HWY_INLINE void meet(const Bvh8Node& node, std::size_t first, Boxes t_max, Boxes& enter, Boxes& leave) const {
-    enter = t_min, leave = t_max;
+  // Where the children from `first` on are entered, and left.
+  HWY_INLINE void meet(const Bvh8Node& node, std::size_t first, Boxes limit, Boxes& enter, Boxes& leave) const {
+    Boxes nearer[3], farther[3];
     for (int a = 0; a < 3; ++a) {
       const float* const planes = node.planes[a][0] + first;
-      const Boxes nearer = hn::Load(kBoxes, planes + near_at[a]),
-                  farther = hn::Load(kBoxes, planes + (near_at[a] ^ kBvh8Arity));
-      enter = most(hn::Mul(hn::Sub(nearer, org[a]), inv_near[a]), enter);
-      leave = least(hn::Mul(hn::Sub(farther, org[a]), inv_far[a]), leave);
+      nearer[a] = hn::Mul(hn::Sub(hn::Load(kBoxes, planes + near_at[a]), org[a]), inv_near[a]);
+      farther[a] = hn::Mul(hn::Sub(hn::Load(kBoxes, planes + (near_at[a] ^ kBvh8Arity)), org[a]), inv_far[a]);
     }
-    leave = hn::Mul(leave, hn::Set(kBoxes, kFarScale));
+    enter = most(most(nearer[1], nearer[2]), most(nearer[0], t_min));
+    leave = least(least(farther[1], farther[2]), least(farther[0], limit));
   }
 };
 
 // Postpones the children that the ray enters, the nearest last.
-HWY_INLINE void push_children(const Bvh8Node& node, const RayBoxes& ray, float t_max, Stack& stack) {
+template <Query kQuery>
+HWY_INLINE std::size_t push_children(const Bvh8Node& node, const RayBoxes& ray, float limit, Stack& stack, std::size_t size) {
 #if HWY_TARGET <= HWY_AVX2 && HWY_ARCH_X86
   Boxes enter, leave;
-  ray.meet(node, 0, hn::Set(kBoxes, t_max), enter, leave);
-  const auto order = hn::ShiftRightSame(hn::Load(kRefs, node.order), static_cast<int>(3 * ray.octant));
-  const auto in_order = hn::IndicesFromVec(kBoxes, hn::And(order, hn::Set(kRefs, 7u)));
-  const auto refs_in_order = hn::IndicesFromVec(kRefs, hn::And(order, hn::Set(kRefs, 7u)));
-  enter = hn::TableLookupLanes(enter, in_order), leave = hn::TableLookupLanes(leave, in_order);
-  const auto refs = hn::TableLookupLanes(hn::Load(kRefs, node.child), refs_in_order);
+  ray.meet(node, 0, hn::Set(kBoxes, limit), enter, leave);
+  auto refs = hn::Load(kRefs, node.child);
+  if constexpr (kQuery == Query::closest) {
+    const auto order =
+        hn::And(hn::ShiftRightSame(hn::Load(kRefs, node.order), static_cast<int>(3 * ray.octant)), hn::Set(kRefs, 7u));
+    const auto in_order = hn::IndicesFromVec(kBoxes, order);
+    enter = hn::TableLookupLanes(enter, in_order), leave = hn::TableLookupLanes(leave, in_order);
+    refs = hn::TableLookupLanes(refs, hn::IndicesFromVec(kRefs, order));
+  }
   const auto entered = hn::Le(enter, leave);
-  hn::StoreU(hn::Compress(enter, entered), kBoxes, stack.t_near + stack.size);
-  hn::StoreU(hn::Compress(refs, hn::RebindMask(kRefs, entered)), kRefs, stack.node + stack.size);
-  stack.size += hn::CountTrue(kBoxes, entered);
+  if constexpr (kQuery == Query::closest) hn::StoreU(hn::Compress(enter, entered), kBoxes, stack.t_near + size);
+  hn::StoreU(hn::Compress(refs, hn::RebindMask(kRefs, entered)), kRefs, stack.node + size);
+  return size + hn::CountTrue(kBoxes, entered);
 #else
   alignas(64) float t_near[kBvh8Arity];
   std::uint32_t entered = 0;
   for (std::size_t first = 0; first < kBvh8Arity; first += hn::Lanes(kBoxes)) {
     Boxes enter, leave;
-    ray.meet(node, first, hn::Set(kBoxes, t_max), enter, leave);
+    ray.meet(node, first, hn::Set(kBoxes, limit), enter, leave);
     hn::Store(enter, kBoxes, t_near + first);
     entered |= bits_of(kBoxes, hn::Le(enter, leave)) << first;
   }
-  if (entered == 0) return;
   for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
-    const std::uint32_t c = node.ordered(i, ray.octant);
-    stack.node[stack.size] = node.child[c], stack.t_near[stack.size] = t_near[c];
-    stack.size += entered >> c & 1u;
+    const std::uint32_t c = kQuery == Query::closest ? node.ordered(i, ray.octant) : i;
+    stack.node[size] = node.child[c], stack.t_near[size] = t_near[c];
+    size += entered >> c & 1u;
   }
+  return size;
 #endif
 }
 
@@ -167,25 +170,25 @@ HWY_INLINE Hit trace_one(const Bvh8View& view, const Ray& ray, Stack& stack) {
   Hit hit;
   begin_hit(ray, hit);
   if (view.root == kNoNode || !is_traceable(ray)) return Hit{};
-  const ScalarBoxPairTest scalar = ScalarBoxPairTest::prepare(ray, first_t(ray));
+  const Bvh8Ray scalar = Bvh8Ray::prepare(ray, first_t(ray));
   const Watertight::RayData data = Watertight::prepare(ray);
   const RayBoxes boxes(scalar);
   NodeRef ref = view.root;
-  stack.size = 0;
+  std::size_t size = 0;
   for (;;) {
     if (!is_leaf(ref)) {
-      push_children(view.nodes[ref], boxes, hit.t, stack);
+      size = push_children<kQuery>(view.nodes[ref], boxes, scaled_end(hit.t), stack, size);
     } else if (intersect_leaf<kQuery>(view, ref, ray, data, scalar.t_min, hit)) {
       return hit;
     }
     do {
-      if (stack.size == 0) {
+      if (size == 0) {
         finish_hit(hit);
         return hit;
       }
-      --stack.size;
-    } while (!(stack.t_near[stack.size] <= hit.t * kFarScale));
-    ref = stack.node[stack.size];
+      --size;
+    } while (kQuery == Query::closest && !(stack.t_near[size] <= scaled_end(hit.t)));
+    ref = stack.node[size];
   }
 }
 

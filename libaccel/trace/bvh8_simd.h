@@ -12,7 +12,6 @@
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/structure/bvh8.h"
-#include "libaccel/trace/box_pair.h"
 
 namespace accel {
 
@@ -20,11 +19,6 @@ namespace accel {
 // one of each node, and all of the last; and room for a whole vector to be stored behind that.
 inline constexpr std::uint32_t kMostBvh8Depth = 128;
 constexpr std::uint32_t bvh8_stack_size(std::uint32_t depth) { return (kBvh8Arity - 1) * depth + 1 + kBvh8Arity; }
-
-// Bit a: the direction's component along axis a is negative.
-ACCEL_HD std::uint32_t octant_of(const ScalarBoxPairTest& ray) {
-  return (ray.near_at[0] != 0 ? 1u : 0u) | (ray.near_at[1] != 0 ? 2u : 0u) | (ray.near_at[2] != 0 ? 4u : 0u);
-}
 
 // The tree is no deeper than kMostBvh8Depth. answers[i] is that of rays[i].
 void intersect_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<Hit> hits);
