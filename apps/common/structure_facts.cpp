@@ -4,6 +4,7 @@
 
 #include "libaccel/registry/structures.h"
 #include "libaccel/structure/bvh2_stats.h"
+#include "libaccel/structure/bvh8_stats.h"
 #include "libaccel/structure/grid_stats.h"
 #include "libaccel/structure/kdtree_stats.h"
 #include "libaccel/structure/two_level_stats.h"
@@ -15,7 +16,9 @@ namespace {
 // End-point overlap takes microseconds a triangle: larger trees are sampled down to about this many.
 constexpr std::uint64_t kMostOverlapTriangles = 200'000;
 
-StructureFacts facts_from(const Bvh2Stats& stats) {
+// Of a tree of boxes with leaves of triangles.
+template <class Stats>
+StructureFacts facts_from(const Stats& stats) {
   StructureFacts facts;
   facts.sah_cost = stats.sah_cost;
   facts.depth = stats.depth;
@@ -45,6 +48,10 @@ StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detai
     facts.epo = end_point_overlap(bvh, options.traversal_cost, options.intersection_cost, stride);
   }
   return facts;
+}
+
+StructureFacts facts_of_kind(const Bvh8& bvh, const BuildOptions& options, Detail) {
+  return facts_from(bvh8_stats(bvh, options.traversal_cost, options.intersection_cost));
 }
 
 StructureFacts facts_of_kind(const Grid& grid, const BuildOptions& options, Detail) {

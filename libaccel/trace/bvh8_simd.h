@@ -2,8 +2,8 @@
 // trace/bvh8_ordered.h, the same steps with the same operations, hence the same hits bit for bit. Compiled for every target of
 // the machine's family, by Highway; the best that the machine has runs.
 //
-// A candidate that the lanes find is tested once more by the scalar test, which also finds its exact distance: one or two a
-// ray.
+// The exact distances of a block's candidates are found in lanes, too. Left to the scalar test are triangles that rounding
+// makes hard: those that the ray meets in an edge, and those seen edge-on.
 #pragma once
 
 #include <cstdint>

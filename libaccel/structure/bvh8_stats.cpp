@@ -1,0 +1,81 @@
+#include "libaccel/structure/bvh8_stats.h"
+
+#include <algorithm>
+
+#include "libaccel/structure/bvh2_stats.h"
+
+namespace accel {
+namespace {
+
+std::uint32_t count_triangles(const Bvh8& bvh, NodeRef leaf) {
+  std::uint32_t size = 0;
+  const std::uint32_t first = first_block(leaf), blocks = block_count(bvh, leaf);
+  for (std::uint32_t b = first; b < first + blocks; ++b)
+    for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) size += bvh.blocks[b].has(lane) ? 1 : 0;
+  return size;
+}
+
+std::uint64_t count_distinct_triangles(const Bvh8& bvh) {
+  std::vector<bool> seen;
+  std::uint64_t count = 0;
+  for (const TriangleBlock& block : bvh.blocks)
+    for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane) {
+      const std::uint32_t prim_id = block.prim_id[lane];
+      if (prim_id >= seen.size()) seen.resize(std::max<std::size_t>(std::size_t{prim_id} + 1, 2 * seen.size()));
+      count += seen[prim_id] ? 0 : 1;
+      seen[prim_id] = true;
+    }
+  return count;
+}
+
+void count_leaf(std::uint32_t size, std::uint32_t depth, Bvh8Stats& stats) {
+  ++stats.leaves, stats.references += size;
+  stats.depth = std::max(stats.depth, depth);
+  if (stats.leaves_by_depth.size() <= depth) stats.leaves_by_depth.resize(depth + 1);
+  ++stats.leaves_by_depth[depth];
+  const std::size_t counted = std::min<std::size_t>(size, kLargestCountedLeaf);
+  if (stats.leaves_by_size.size() <= counted) stats.leaves_by_size.resize(counted + 1);
+  ++stats.leaves_by_size[counted];
+}
+
+}  // namespace
+
+Bvh8Stats bvh8_stats(const Bvh8& bvh, float traversal_cost, float intersection_cost) {
+  Bvh8Stats stats;
+  if (bvh.root == kNoNode) return stats;
+
+  struct Visit {
+    NodeRef ref;
+    std::uint32_t depth;
+    double area;
+  };
+  double cost = 0, children = 0, squared_size = 0;
+  std::uint64_t blocks = 0;
+  const double root_area = half_area_in_double(bvh.bounds);
+  std::vector<Visit> pending{{bvh.root, 0, root_area}};
+  while (!pending.empty()) {
+    const Visit visit = pending.back();
+    pending.pop_back();
+    if (is_leaf(visit.ref)) {
+      const std::uint32_t size = count_triangles(bvh, visit.ref), of_leaf = block_count(bvh, visit.ref);
+      count_leaf(size, visit.depth, stats);
+      squared_size += static_cast<double>(size) * size, blocks += of_leaf;
+      cost += visit.area * intersection_cost * of_leaf;
+      continue;
+    }
+    cost += visit.area * traversal_cost;
+    ++stats.inner_nodes;
+    const Bvh8Node& node = bvh.nodes[visit.ref];
+    for (std::uint32_t c = 0; c < kBvh8Arity && node.child[c] != kNoNode; ++c, ++children)
+      pending.push_back({node.child[c], visit.depth + 1, half_area_in_double(node.bounds(c))});
+  }
+  const auto leaves = static_cast<double>(stats.leaves), references = static_cast<double>(stats.references);
+  stats.sah_cost = root_area > 0 ? cost / root_area : 0.0;
+  stats.mean_children = stats.inner_nodes > 0 ? children / static_cast<double>(stats.inner_nodes) : 0.0;
+  stats.mean_leaf_size = references / leaves, stats.mean_block_size = references / static_cast<double>(blocks);
+  stats.leaf_size_variance = std::max(0.0, squared_size / leaves - stats.mean_leaf_size * stats.mean_leaf_size);
+  stats.triangles = count_distinct_triangles(bvh);
+  return stats;
+}
+
+}  // namespace accel

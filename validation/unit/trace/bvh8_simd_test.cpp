@@ -1,0 +1,100 @@
+// SIMD against its scalar twin, on every target that the machine has.
+#include "libaccel/trace/bvh8_simd.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <bit>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libaccel/build/collapse_wide.h"
+#include "libaccel/build/wide_sbvh.h"
+#include "libaccel/exec/drive.h"
+#include "libaccel/trace/bvh8_ordered.h"
+#include "validation/stress/random_bvh2.h"
+#include "validation/stress/stress_rays.h"
+#include "validation/stress/stress_scenes.h"
+#include "validation/unit/build/test_meshes.h"
+
+namespace accel {
+namespace {
+
+template <class Body>
+void on_every_target(const Body& body) {
+  std::set<std::string> ran;
+  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    EXPECT_STREQ(bvh8_simd_target(), hwy::TargetName(target));
+    ran.insert(bvh8_simd_target());
+    body();
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  EXPECT_FALSE(ran.empty());
+}
+
+bool same(const Hit& a, const Hit& b) {
+  return std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && a.prim_id == b.prim_id &&
+         std::bit_cast<std::uint32_t>(a.u) == std::bit_cast<std::uint32_t>(b.u) &&
+         std::bit_cast<std::uint32_t>(a.v) == std::bit_cast<std::uint32_t>(b.v);
+}
+
+// Returns how many rays hit something.
+std::size_t expect_same_as_scalar(const std::string& name, const Bvh8& bvh, const std::vector<Ray>& rays) {
+  std::vector<Hit> expected;
+  std::vector<std::uint8_t> blocked;
+  std::size_t valid = 0;
+  NullObserver observer;
+  for (const Ray& ray : rays) {
+    expected.push_back(trace_ray<Bvh8Ordered<Watertight, Query::closest>>(bvh.view(), ray, observer));
+    const Hit any = trace_ray<Bvh8Ordered<Watertight, Query::any>>(bvh.view(), ray, observer);
+    blocked.push_back(any.valid() ? 1 : 0);
+    valid += expected.back().valid();
+  }
+  on_every_target([&] {
+    std::vector<Hit> hits(rays.size(), Hit{1, 2, 3, 4});
+    std::vector<std::uint8_t> occluded(rays.size(), 7);
+    intersect_bvh8_simd(bvh.view(), rays, hits);
+    occlude_bvh8_simd(bvh.view(), rays, occluded);
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) different += same(hits[i], expected[i]) ? 0 : 1;
+    EXPECT_EQ(different, 0u) << name << bvh8_simd_target();
+    EXPECT_EQ(occluded, blocked) << name << bvh8_simd_target();
+  });
+  return valid;
+}
+
+std::vector<Ray> rays_for(const TriangleMesh& mesh) {
+  std::vector<Ray> rays = validation::stress_rays(mesh, 600);
+  for (const Ray& ray : validation::nearly_parallel_rays(mesh, -149, -20, 100)) rays.push_back(ray);
+  for (const Ray& ray : validation::invalid_rays()) rays.push_back(ray);
+  for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].t_max = 0.5f;
+  for (std::size_t i = 1; i < rays.size(); i += 5) rays[i].t_min = i % 2 == 0 ? 0.1f : -1.0f;
+  return rays;
+}
+
+TEST(Bvh8Simd, HitsAreThoseOfTheScalarTwin) {
+  std::size_t valid = 0;
+  for (const auto& [name, mesh] : validation::stress_scenes()) {
+    const auto built = WideSbvh::build(mesh, {});
+    ASSERT_TRUE(built) << built.message();
+    valid += expect_same_as_scalar(name, built->structure, rays_for(mesh));
+  }
+  EXPECT_GT(valid, 1000u);
+}
+
+// Trees with long leaves, and with many levels.
+TEST(Bvh8Simd, OfTreesThatNoHeuristicWouldBuild) {
+  const TriangleMesh mesh = test::soup(400, 0.5f);
+  for (const validation::TreeShape shape : validation::kTreeShapes)
+    for (const std::uint32_t leaf_size : {1u, 100u}) {
+      const Bvh2 binary = validation::random_bvh2(mesh, 5, {.shape = shape, .leaf_size = leaf_size, .max_depth = 120});
+      const Bvh8 bvh = *collapse_wide(binary, {.max_leaf_size = static_cast<int>(leaf_size)});
+      EXPECT_GT(expect_same_as_scalar("", bvh, rays_for(mesh)), 100u);
+    }
+}
+
+}  // namespace
+}  // namespace accel
