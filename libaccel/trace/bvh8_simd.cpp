@@ -5,6 +5,8 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cstddef>
+#include <limits>
 
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/trace/bvh8_ray.h"
@@ -60,20 +62,59 @@ struct Stack {
   alignas(64) float t_near[bvh8_stack_size(kMostBvh8Depth)];
 };
 
+// Bvh8Ray::prepare() and is_traceable(), in lanes: org and t_min, dir and t_max.
+struct alignas(16) Slopes {
+  float inv_near[4], inv_far[4];
+  std::uint32_t octant;
+
+  // False if the ray is not traceable.
+  HWY_INLINE bool prepare(const Ray& ray) {
+    static_assert(offsetof(Ray, t_min) == 12 && offsetof(Ray, dir) == 16 && offsetof(Ray, t_max) == 28);
+    const float *const org = &ray.org.x, *const dir = &ray.dir.x;
+    const auto set = [](float v) HWY_ATTR { return hn::Set(kTriangles, v); };
+    const auto largest = set(std::numeric_limits<float>::max()), most_coordinate = set(kMaxCoordinate);
+    std::uint32_t in_range = 0, moves = 0, backwards = 0;
+    for (std::size_t i = 0; i < 4; i += hn::Lanes(kTriangles)) {
+      const auto d = hn::LoadU(kTriangles, dir + i), o = hn::LoadU(kTriangles, org + i), inv = hn::Div(set(1), d);
+      const auto is_zero = hn::Eq(d, set(0));
+      const auto overflowed = hn::AndNot(is_zero, hn::Gt(hn::Abs(inv), largest));
+      hn::Store(hn::IfThenElse(overflowed, hn::CopySign(largest, inv), inv), kTriangles, inv_near + i);
+      hn::Store(hn::Mul(inv, set(Bvh8Ray::kScale)), kTriangles, inv_far + i);
+      const auto good = hn::And(hn::Le(hn::Abs(o), most_coordinate), hn::Le(hn::Abs(d), most_coordinate));
+      in_range |= bits_of(kTriangles, good) << i;
+      moves |= bits_of(kTriangles, hn::Not(is_zero)) << i;
+      backwards |= bits_of(kTriangles, hn::Lt(inv, set(0))) << i;
+    }
+    octant = backwards & 7u;
+    return (in_range & 7u) == 7u && (moves & 7u) != 0 && ray.t_min <= ray.t_max && ray.t_max >= 0;
+  }
+};
+
+// Watertight::prepare() without branches: which axis is the longest nobody can predict.
+HWY_INLINE Watertight::RayData prepare_watertight(const Ray& ray) {
+  const float *const org = &ray.org.x, *const dir = &ray.dir.x;
+  const float x = dir[0] < 0 ? -dir[0] : dir[0], y = dir[1] < 0 ? -dir[1] : dir[1], z = dir[2] < 0 ? -dir[2] : dir[2];
+  const unsigned not_x = (x >= y ? 0u : 1u) | (x >= z ? 0u : 1u), kz = not_x + (not_x & (y >= z ? 0u : 1u));
+  constexpr std::uint8_t kNext[5] = {0, 1, 2, 0, 1};
+  const int kx = kNext[kz + 1], ky = kNext[kz + 2];
+  const float dir_z = dir[kz];
+  return {kx, ky, static_cast<int>(kz), org[kx], org[ky], org[kz], dir[kx] / dir_z, dir[ky] / dir_z, dir_z};
+}
+
 // The box test of a ray, in as many vectors as eight boxes make.
 struct RayBoxes {
   Boxes org[3], inv_near[3], inv_far[3], t_min;
   std::size_t near_at[3];  // where near planes are in a node, in floats
   std::uint32_t octant;
 
-  explicit HWY_INLINE RayBoxes(const Bvh8Ray& ray) {
+  HWY_INLINE RayBoxes(const Ray& ray, const Slopes& slopes) {
     for (int a = 0; a < 3; ++a) {
-      org[a] = hn::Set(kBoxes, ray.org[a]);
-      inv_near[a] = hn::Set(kBoxes, ray.inv_near[a]), inv_far[a] = hn::Set(kBoxes, ray.inv_far[a]);
-      near_at[a] = (ray.octant >> a & 1u) != 0 ? kBvh8Arity : 0;
+      org[a] = hn::Set(kBoxes, (&ray.org.x)[a]);
+      inv_near[a] = hn::Set(kBoxes, slopes.inv_near[a]), inv_far[a] = hn::Set(kBoxes, slopes.inv_far[a]);
+      near_at[a] = (slopes.octant >> a & 1u) * kBvh8Arity;
     }
-    t_min = hn::Set(kBoxes, ray.t_min);
-    octant = ray.octant;
+    t_min = hn::Set(kBoxes, first_t(ray));
+    octant = slopes.octant;
   }
 
   // Where the children from `first` on are entered, and left.
@@ -266,16 +307,17 @@ template <Query kQuery>
 HWY_INLINE Hit trace_one(const Bvh8View& view, const Ray& ray, Stack& stack) {
   Hit hit;
   begin_hit(ray, hit);
-  if (view.root == kNoNode || !is_traceable(ray)) return Hit{};
-  const Bvh8Ray scalar = Bvh8Ray::prepare(ray, first_t(ray));
-  const Watertight::RayData data = Watertight::prepare(ray);
-  const RayBoxes boxes(scalar);
+  Slopes slopes;
+  if (!slopes.prepare(ray) || view.root == kNoNode) return Hit{};
+  const Watertight::RayData data = prepare_watertight(ray);
+  const RayBoxes boxes(ray, slopes);
+  const float t_min = first_t(ray);
   NodeRef ref = view.root;
   std::size_t size = 0;
   for (;;) {
     if (!is_leaf(ref)) {
       size = push_children<kQuery>(view.nodes[ref], boxes, scaled_end(hit.t), stack, size);
-    } else if (intersect_leaf<kQuery>(view, ref, ray, data, scalar.t_min, hit)) {
+    } else if (intersect_leaf<kQuery>(view, ref, ray, data, t_min, hit)) {
       return hit;
     }
     do {
