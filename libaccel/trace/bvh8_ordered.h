@@ -103,19 +103,15 @@ struct Bvh8OrderedWithin {
   ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
     const TriangleBlock& block = view.blocks[s.block];
     if (s.lane == 0) observer.load(Memory::triangle, &block, sizeof block);
-    if (block.has(s.lane)) {
-      observer.triangle_test();
-      Hit candidate;
-      if (Test::intersect(block.packed(s.lane), ray, s.test, candidate)) {
-        candidate.prim_id = block.prim_id[s.lane];
-        if (accept_hit(candidate, s.boxes.t_min, hit) && kQuery == Query::any) return Phase::done;
-      }
-      if (++s.lane < kBlockLanes) return Phase::intersect;
-    } else if (s.lane == 0) {
-      return Phase::backtrack;
+    observer.triangle_test();
+    Hit candidate;
+    if (Test::intersect(block.packed(s.lane), ray, s.test, candidate)) {
+      candidate.prim_id = block.prim_id[s.lane];
+      if (accept_hit(candidate, s.boxes.t_min, hit) && kQuery == Query::any) return Phase::done;
     }
+    if (++s.lane < kBlockLanes && block.has(s.lane)) return Phase::intersect;
     ++s.block, s.lane = 0;
-    if (s.left == 0) return Phase::intersect;
+    if (s.left == 0) return view.blocks[s.block].has(0) ? Phase::intersect : Phase::backtrack;
     return --s.left == 0 ? Phase::backtrack : Phase::intersect;
   }
 
