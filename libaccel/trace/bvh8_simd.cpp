@@ -130,9 +130,20 @@ struct RayBoxes {
   }
 };
 
-// Postpones the children that the ray enters, the nearest last.
-template <Query kQuery>
-HWY_INLINE std::size_t push_children(const Bvh8Node& node, const RayBoxes& ray, float limit, Stack& stack, std::size_t size) {
+// The child in the last of the places whose bits are set. A branch for each place, no look-up: a branch that is predicted names
+// the next node before the boxes of this one have been tested, and the next node's test begins at once. Where rays resemble
+// each other that makes traversal half as fast again; where nothing can be predicted it costs a tenth.
+template <Query kQuery, std::uint32_t kPlace = kBvh8Arity - 1>
+HWY_INLINE NodeRef nearest_child(const Bvh8Node& node, std::uint32_t octant, std::uint32_t places) {
+  if constexpr (kPlace > 0)
+    if ((places & 1u << kPlace) == 0) return nearest_child<kQuery, kPlace - 1>(node, octant, places);
+  return node.child[kQuery == Query::closest ? node.ordered(kPlace, octant) : kPlace];
+}
+
+// Postpones the children that the ray enters. Returns whether `nearest`, with kPredict, is one that comes next instead.
+template <Query kQuery, bool kPredict>
+HWY_INLINE bool push_children(const Bvh8Node& node, const RayBoxes& ray, float limit, Stack& stack, std::size_t& size,
+                              NodeRef& nearest) {
 #if HWY_TARGET <= HWY_AVX2 && HWY_ARCH_X86
   Boxes enter, leave;
   ray.meet(node, 0, hn::Set(kBoxes, limit), enter, leave);
@@ -147,7 +158,12 @@ HWY_INLINE std::size_t push_children(const Bvh8Node& node, const RayBoxes& ray, 
   const auto entered = hn::Le(enter, leave);
   if constexpr (kQuery == Query::closest) hn::StoreU(hn::Compress(enter, entered), kBoxes, stack.t_near + size);
   hn::StoreU(hn::Compress(refs, hn::RebindMask(kRefs, entered)), kRefs, stack.node + size);
-  return size + hn::CountTrue(kBoxes, entered);
+  const std::uint32_t places = bits_of(kBoxes, entered);
+  size += static_cast<std::size_t>(std::popcount(places));
+  if (!kPredict || places == 0) return false;
+  --size;
+  nearest = nearest_child<kQuery>(node, ray.octant, places);
+  return true;
 #else
   alignas(64) float t_near[kBvh8Arity];
   std::uint32_t entered = 0;
@@ -162,7 +178,9 @@ HWY_INLINE std::size_t push_children(const Bvh8Node& node, const RayBoxes& ray, 
     stack.node[size] = node.child[c], stack.t_near[size] = t_near[c];
     size += entered >> c & 1u;
   }
-  return size;
+  if (!kPredict || entered == 0) return false;
+  nearest = stack.node[--size];
+  return true;
 #endif
 }
 
@@ -303,7 +321,7 @@ HWY_INLINE bool intersect_leaf(const Bvh8View& view, NodeRef leaf, const Ray& ra
   return false;
 }
 
-template <Query kQuery>
+template <Query kQuery, bool kPredict>
 HWY_INLINE Hit trace_one(const Bvh8View& view, const Ray& ray, Stack& stack) {
   Hit hit;
   begin_hit(ray, hit);
@@ -316,7 +334,7 @@ HWY_INLINE Hit trace_one(const Bvh8View& view, const Ray& ray, Stack& stack) {
   std::size_t size = 0;
   for (;;) {
     if (!is_leaf(ref)) {
-      size = push_children<kQuery>(view.nodes[ref], boxes, scaled_end(hit.t), stack, size);
+      if (push_children<kQuery, kPredict>(view.nodes[ref], boxes, scaled_end(hit.t), stack, size, ref)) continue;
     } else if (intersect_leaf<kQuery>(view, ref, ray, data, t_min, hit)) {
       return hit;
     }
@@ -331,17 +349,23 @@ HWY_INLINE Hit trace_one(const Bvh8View& view, const Ray& ray, Stack& stack) {
   }
 }
 
-template <Query kQuery, class Answer>
+template <Query kQuery, bool kPredict, class Answer>
 HWY_INLINE void trace_all(const Bvh8View& view, const Ray* rays, std::size_t count, Answer* answers) {
   Stack stack;
-  for (std::size_t i = 0; i < count; ++i) store_answer(trace_one<kQuery>(view, rays[i], stack), answers[i]);
+  for (std::size_t i = 0; i < count; ++i) store_answer(trace_one<kQuery, kPredict>(view, rays[i], stack), answers[i]);
 }
 
-void intersect(const Bvh8View& view, const Ray* rays, std::size_t count, Hit* hits) {
-  trace_all<Query::closest>(view, rays, count, hits);
+void intersect(const Bvh8View& view, const Ray* rays, std::size_t count, bool predict, Hit* hits) {
+  if (predict)
+    trace_all<Query::closest, true>(view, rays, count, hits);
+  else
+    trace_all<Query::closest, false>(view, rays, count, hits);
 }
-void occlude(const Bvh8View& view, const Ray* rays, std::size_t count, std::uint8_t* occluded) {
-  trace_all<Query::any>(view, rays, count, occluded);
+void occlude(const Bvh8View& view, const Ray* rays, std::size_t count, bool predict, std::uint8_t* occluded) {
+  if (predict)
+    trace_all<Query::any, true>(view, rays, count, occluded);
+  else
+    trace_all<Query::any, false>(view, rays, count, occluded);
 }
 
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
@@ -357,11 +381,31 @@ HWY_EXPORT(intersect);
 HWY_EXPORT(occlude);
 HWY_EXPORT(target_name);
 
+namespace {
+
+bool are_alike(const Ray& a, const Ray& b) {
+  const auto dot = [](Vec3 v, Vec3 w) {
+    return static_cast<double>(v.x) * w.x + static_cast<double>(v.y) * w.y + static_cast<double>(v.z) * w.z;
+  };
+  const double ab = dot(a.dir, b.dir);
+  return ab > 0 && ab * ab > 0.9 * dot(a.dir, a.dir) * dot(b.dir, b.dir);
+}
+
+// Whether most rays run nearly as the one before, in a sample of some dozens.
+bool are_alike(std::span<const Ray> rays) {
+  const std::size_t stride = rays.size() / 64 + 1;
+  int alike = 0;
+  for (std::size_t i = 1; i < rays.size(); i += stride) alike += are_alike(rays[i - 1], rays[i]) ? 1 : -1;
+  return alike >= 0;
+}
+
+}  // namespace
+
 void intersect_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<Hit> hits) {
-  HWY_DYNAMIC_DISPATCH(intersect)(view, rays.data(), rays.size(), hits.data());
+  HWY_DYNAMIC_DISPATCH(intersect)(view, rays.data(), rays.size(), are_alike(rays), hits.data());
 }
 void occlude_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded) {
-  HWY_DYNAMIC_DISPATCH(occlude)(view, rays.data(), rays.size(), occluded.data());
+  HWY_DYNAMIC_DISPATCH(occlude)(view, rays.data(), rays.size(), are_alike(rays), occluded.data());
 }
 const char* bvh8_simd_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
 }  // namespace accel

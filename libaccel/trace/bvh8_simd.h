@@ -4,6 +4,11 @@
 //
 // The exact distances of a block's candidates are found in lanes, too. Left to the scalar test are triangles that rounding
 // makes hard: those that the ray meets in an edge, and those seen edge-on.
+//
+// Prediction. From one node's boxes to the next node there is a chain of some fifty cycles, most of a ray's time. Where rays of
+// a batch run nearly as the ones before, or are alone, branches choose the next node, so that a machine that predicts them
+// begins with it at once: half as fast again. Other batches take it from the stack, which costs no mispredicted branches: a
+// tenth faster there.
 #pragma once
 
 #include <cstdint>
