@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "libaccel/core/float_bounds.h"
+#include "libaccel/core/aabb.h"
 #include "libaccel/core/hd.h"
 
 namespace accel {
