@@ -1,9 +1,10 @@
 #include "apps/common/embree_rivals.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "libaccel/core/morton.h"
+#include "libaccel/packet/cpu_primitives.h"
+#include "libaccel/packet/ray_order.h"
 
 namespace accel::apps {
 
@@ -69,13 +70,16 @@ std::string structure_name(const EmbreeWitness& scene) {
 
 Buffer<Ray> by_tiles(const RaySet& set, std::uint32_t width) {
   if (set.pixel.empty()) return {};
-  std::vector<std::uint32_t> order(set.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::vector<std::uint64_t> codes(set.size());
-  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = morton_2d(set.pixel[i] % width, set.pixel[i] / width);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return codes[a] < codes[b]; });
-  Buffer<Ray> rays(set.size());
-  for (std::size_t i = 0; i < order.size(); ++i) rays[i] = set.rays[order[i]];
+  const std::size_t n = set.size();
+  Buffer<std::uint64_t> codes(n);
+  Buffer<std::uint32_t> order(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    codes[i] = morton_2d(set.pixel[i] % width, set.pixel[i] / width);
+    order[i] = static_cast<std::uint32_t>(i);
+  }
+  CpuPrimitives::sort_pairs(codes.data(), order.data(), n);
+  Buffer<Ray> rays(n);
+  gather_rays(set.rays.span(), order.span(), rays.span());
   return rays;
 }
 

@@ -68,6 +68,12 @@ struct Family {
   std::uint32_t count = 0;
 };
 
+// Of a leaf's triangles, those that make a block.
+struct BlockRun {
+  std::size_t first;
+  std::uint32_t count;
+};
+
 class Collapse {
  public:
   Collapse(const Bvh2& bvh, const BuildOptions& options) : bvh_(bvh), options_(options), forests_(bvh.nodes.size()) {}
@@ -247,11 +253,6 @@ class Collapse {
   }
 
   // ---- triangles
-  struct BlockRun {
-    std::size_t first;
-    std::uint32_t count;
-  };
-
   void write_blocks(Bvh8& wide) const {
     wide.blocks = Buffer<TriangleBlock>(blocks_.size());
     for_chunks(0, blocks_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -277,5 +278,11 @@ class Collapse {
 }  // namespace
 
 Result<Bvh8> collapse_wide(const Bvh2& bvh, const BuildOptions& options) { return Collapse(bvh, options).run(); }
+
+std::uint64_t collapse_peak_bytes(const Bvh2& bvh, const Bvh8& wide) {
+  const std::uint64_t forests = bvh.nodes.size() * sizeof(Forests), nodes = wide.nodes.size_bytes();
+  const std::uint64_t runs = wide.references * sizeof(std::uint32_t) + wide.blocks.size() * sizeof(BlockRun);
+  return bvh.size_bytes() + wide.size_bytes() + forests + nodes + runs;
+}
 
 }  // namespace accel

@@ -12,7 +12,8 @@
 // Children. Their order for each octant (structure/bvh8.h) is that of the boxes' centres along the octant's diagonal. Inner
 // children follow each other in memory, and so do the leaves of one node: depth first, nodes and blocks.
 //
-// Nothing here recurses by the depth of the tree. O(n); 36 bytes a binary node beside the two trees. The same bytes for any
+// Nothing here recurses by the depth of the tree. O(n); 36 bytes a binary node, and the nodes once more,
+// beside the two trees. The same bytes for any
 // number of threads.
 #pragma once
 
@@ -25,5 +26,8 @@ namespace accel {
 // Costs and leaf sizes are those of the options: a step through a wide node is one of traversal_cost, and a block's test one of
 // intersection_cost. Fails when blocks or nodes outgrow the bits of a reference. May throw std::bad_alloc.
 Result<Bvh8> collapse_wide(const Bvh2& bvh, const BuildOptions& options);
+
+// The most memory that making one from the other took, both trees included.
+std::uint64_t collapse_peak_bytes(const Bvh2& bvh, const Bvh8& wide);
 
 }  // namespace accel

@@ -27,7 +27,7 @@ Result<Built<Bvh8>> WideSbvh::build(const TriangleMesh& mesh, const BuildOptions
     report.phases.push_back({"collapse", seconds});
     report.seconds += seconds;
     report.references = wide->references;
-    report.peak_bytes = std::max<std::uint64_t>(report.peak_bytes, binary->structure.size_bytes() + wide->size_bytes());
+    report.peak_bytes = std::max(report.peak_bytes, collapse_peak_bytes(binary->structure, *wide));
     return Built<Bvh8>{*std::move(wide), std::move(report)};
   } catch (const std::bad_alloc&) {
     return Error{"out of memory while collapsing a tree over " + std::to_string(mesh.size()) + " triangles"};

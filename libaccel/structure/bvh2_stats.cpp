@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "libaccel/geometry/clip_triangle.h"
+#include "libaccel/structure/histogram.h"
 
 namespace accel {
 namespace {
@@ -132,11 +133,8 @@ void count_leaf(const Bvh2& bvh, NodeRef leaf, std::uint32_t depth, Bvh2Stats& s
   const std::uint32_t size = leaf_size(bvh, leaf);
   ++stats.leaves, stats.references += size;
   stats.depth = std::max(stats.depth, depth);
-  if (stats.leaves_by_depth.size() <= depth) stats.leaves_by_depth.resize(depth + 1);
-  ++stats.leaves_by_depth[depth];
-  const std::size_t counted = std::min<std::size_t>(size, kLargestCountedLeaf);
-  if (stats.leaves_by_size.size() <= counted) stats.leaves_by_size.resize(counted + 1);
-  ++stats.leaves_by_size[counted];
+  count_in(stats.leaves_by_depth, depth);
+  count_in(stats.leaves_by_size, std::min<std::size_t>(size, kLargestCountedLeaf));
   sums.size += size, sums.squared_size += static_cast<double>(size) * size, sums.depth += depth;
 }
 
@@ -146,10 +144,7 @@ std::uint64_t count_distinct_triangles(const Bvh2& bvh) {
   for (std::size_t quad = 0; quad < bvh.leaves.size();) {
     const std::uint32_t word = bvh.leaves[quad].word;
     quad += word == kEndOfLeaf ? 1 : kQuadsPerTriangle;
-    if (word == kEndOfLeaf) continue;
-    if (word >= seen.size()) seen.resize(std::max<std::size_t>(word + 1, 2 * seen.size()));
-    count += seen[word] ? 0 : 1;
-    seen[word] = true;
+    count += word != kEndOfLeaf && is_first(seen, word) ? 1 : 0;
   }
   return count;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libaccel/structure/bvh2_stats.h"
+#include "libaccel/structure/histogram.h"
 
 namespace accel {
 namespace {
@@ -19,23 +20,16 @@ std::uint64_t count_distinct_triangles(const Bvh8& bvh) {
   std::vector<bool> seen;
   std::uint64_t count = 0;
   for (const TriangleBlock& block : bvh.blocks)
-    for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane) {
-      const std::uint32_t prim_id = block.prim_id[lane];
-      if (prim_id >= seen.size()) seen.resize(std::max<std::size_t>(std::size_t{prim_id} + 1, 2 * seen.size()));
-      count += seen[prim_id] ? 0 : 1;
-      seen[prim_id] = true;
-    }
+    for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane)
+      count += is_first(seen, block.prim_id[lane]) ? 1 : 0;
   return count;
 }
 
 void count_leaf(std::uint32_t size, std::uint32_t depth, Bvh8Stats& stats) {
   ++stats.leaves, stats.references += size;
   stats.depth = std::max(stats.depth, depth);
-  if (stats.leaves_by_depth.size() <= depth) stats.leaves_by_depth.resize(depth + 1);
-  ++stats.leaves_by_depth[depth];
-  const std::size_t counted = std::min<std::size_t>(size, kLargestCountedLeaf);
-  if (stats.leaves_by_size.size() <= counted) stats.leaves_by_size.resize(counted + 1);
-  ++stats.leaves_by_size[counted];
+  count_in(stats.leaves_by_depth, depth);
+  count_in(stats.leaves_by_size, std::min<std::size_t>(size, kLargestCountedLeaf));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "libaccel/structure/histogram.h"
+
 namespace accel {
 namespace {
 
@@ -10,11 +12,6 @@ std::uint32_t leaf_size(const KdTree& tree, const KdNode& leaf) {
   std::uint32_t end = leaf.first_reference();
   while (!is_last(tree.leaves.references[end])) ++end;
   return end + 1 - leaf.first_reference();
-}
-
-void count_in(std::vector<std::uint64_t>& histogram, std::size_t at) {
-  if (histogram.size() <= at) histogram.resize(at + 1);
-  ++histogram[at];
 }
 
 struct Visit {
