@@ -1,8 +1,11 @@
 #include "libaccel/registry/any_accel.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <mutex>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "libaccel/core/suggest.h"
@@ -102,11 +105,59 @@ Result<std::string> find_method(std::string_view name) {
   return unknown_name("method", name, names);
 }
 
+// A triangle test as a method runs it, and the structure that it reads.
+struct AnyAccel::Tracer {
+  const TestEntry* entry;
+  const AnyStructure* structure;
+};
+
 struct AnyAccel::State {
+  State(AnyStructure s, BuildReport r, const MethodEntry& e) : structure(std::move(s)), report(std::move(r)), entry(&e) {}
+
   AnyStructure structure;
   BuildReport report;
   const MethodEntry* entry;
+
+  // What tests read that precompute something, made when rays are first traced with them.
+  struct Prepared {
+    std::once_flag once;
+    std::optional<AnyStructure> structure;
+  };
+  mutable std::array<Prepared, TriangleTests::size> prepared;
+
+  // The structure for a test. May throw std::bad_alloc; the next call then tries again.
+  const AnyStructure& structure_for(std::size_t test) const {
+    const auto prepare = entry->tests[test].prepare;
+    if (prepare == nullptr) return structure;
+    Prepared& p = prepared[test];
+    std::call_once(p.once, [&] { p.structure.emplace(prepare(structure)); });
+    return *p.structure;
+  }
 };
+
+Status AnyAccel::accepts(std::string_view test) const {
+  const auto found = find_test(test);
+  if (!found) return found.error();
+  if (state_->entry->tests[*found].closest != nullptr) return Done{};
+  return Error{method().name + " does not trace with the test " + std::string(test) + ": the leaves of a '" + method().structure +
+               "' have no room for what it precomputes"};
+}
+
+Result<AnyAccel::Tracer> AnyAccel::tracer(std::string_view test) const try {
+  if (const Status accepted = accepts(test); !accepted) return accepted.error();
+  const std::size_t index = *find_test(test);
+  return Tracer{&state_->entry->tests[index], &state_->structure_for(index)};
+} catch (const std::bad_alloc&) {
+  return Error{"out of memory while preparing " + method().structure + " for the test " + std::string(test)};
+}
+
+Result<AnyAccel::Tracer> AnyAccel::modelled_tracer(std::string_view test) const {
+  const auto found = tracer(test);
+  if (!found || found->entry->simt != nullptr) return found;
+  std::string names;
+  ModelledTests::for_each([&](auto tag) { names += (names.empty() ? "" : " and ") + std::string(decltype(tag)::type::kName); });
+  return Error{"models of machines and queries for several hits have the tests " + names + ", not " + std::string(test)};
+}
 
 Result<AnyAccel> AnyAccel::build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options) {
   const auto entry = find_entry(method);
@@ -129,24 +180,24 @@ Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method,
   if (!fits) return fits.error();
   const Status annotated = (*entry)->annotate(structure, (*entry)->info, report);
   if (!annotated) return annotated.error();
-  return AnyAccel(std::make_shared<const State>(State{std::move(structure), std::move(report), *entry}));
+  return AnyAccel(std::make_shared<const State>(std::move(structure), std::move(report), **entry));
 }
 
 Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const TraceOptions& options) const {
-  const auto test = find_test(options.test);
+  const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, hits); !s) return s;
   return with_memory([&] {
-    state_->entry->tests[*test].closest(state_->structure, rays, hits, {options.threads, options.packets});
+    test->entry->closest(*test->structure, rays, hits, {options.threads, options.packets});
   });
 }
 
 Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options) const {
-  const auto test = find_test(options.test);
+  const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, occluded); !s) return s;
   return with_memory([&] {
-    state_->entry->tests[*test].occluded(state_->structure, rays, occluded, {options.threads, options.packets});
+    test->entry->occluded(*test->structure, rays, occluded, {options.threads, options.packets});
   });
 }
 
@@ -164,22 +215,22 @@ bool AnyAccel::occluded(const Ray& ray) const {
 
 Status AnyAccel::k_nearest(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts,
                            const TraceOptions& options) const {
-  const auto test = find_test(options.test);
+  const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (Status s = has_room(rays, k, hits, counts); !s) return s;
-  state_->entry->tests[*test].next_hits(state_->structure, rays, {}, hits, counts, options.threads);
+  test->entry->next_hits(*test->structure, rays, {}, hits, counts, options.threads);
   return Done{};
 }
 
 Status AnyAccel::next_hits(std::span<const Ray> rays, std::span<const Hit> after, std::size_t k, std::span<Hit> hits,
                            std::span<std::uint32_t> counts, const TraceOptions& options) const {
-  const auto test = find_test(options.test);
+  const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (rays.size() != after.size())
     return Error{"there are " + std::to_string(rays.size()) + " rays, but " + std::to_string(after.size()) +
                  " hits to go on behind"};
   if (Status s = has_room(rays, k, hits, counts); !s) return s;
-  state_->entry->tests[*test].next_hits(state_->structure, rays, after, hits, counts, options.threads);
+  test->entry->next_hits(*test->structure, rays, after, hits, counts, options.threads);
   return Done{};
 }
 
@@ -197,29 +248,29 @@ std::size_t AnyAccel::next_hits(const Ray& ray, const Hit& after, std::span<Hit>
 
 Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
                                  const TraceOptions& options, RayCounter counter) const {
-  const auto test = find_test(options.test);
+  const auto test = tracer(options.test);
   if (!test) return test.error();
   if (!values.empty())
     if (Status s = same_size(rays, values); !s) return s.error();
-  return state_->entry->tests[*test].count(state_->structure, rays, query, values, options.threads, counter);
+  return test->entry->count(*test->structure, rays, query, values, options.threads, counter);
 }
 
 Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query query, std::span<Hit> hits, const SimtOptions& simt,
                                            const TraceOptions& options) const {
-  const auto test = find_test(options.test);
+  const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (!hits.empty())
     if (Status s = same_size(rays, hits); !s) return s.error();
-  return state_->entry->tests[*test].simt(state_->structure, rays, query, hits, simt, options.threads);
+  return test->entry->simt(*test->structure, rays, query, hits, simt, options.threads);
 }
 
 Result<MultipassProfile> AnyAccel::trace_multipass(std::span<const Ray> rays, Query query, std::span<Hit> hits,
                                                    const MultipassOptions& multipass, const TraceOptions& options) const {
-  const auto test = find_test(options.test);
+  const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (!hits.empty())
     if (Status s = same_size(rays, hits); !s) return s.error();
-  return state_->entry->tests[*test].multipass(state_->structure, rays, query, hits, multipass, options.threads);
+  return test->entry->multipass(*test->structure, rays, query, hits, multipass, options.threads);
 }
 
 const MethodInfo& AnyAccel::method() const { return state_->entry->info; }

@@ -69,6 +69,10 @@ class AnyAccel {
   // built. Optional arrays that the method reads and the structure lacks are made, on all threads, and reported.
   static Result<AnyAccel> bind(AnyStructure structure, std::string_view method, BuildReport report = {});
 
+  // Whether rays can be traced with a test of triangle_tests(): not with one that reads transforms where leaves have no room for
+  // them. The first rays that are traced with such a test wait for the transforms of all triangles, a copy of the leaves.
+  Status accepts(std::string_view test) const;
+
   // Fails if the traverser cannot trace this structure: wrong kind, or too deep for its stack.
   Result<AnyAccel> with_method(std::string_view method) const { return bind(structure(), method, report()); }
 
@@ -82,7 +86,8 @@ class AnyAccel {
 
   // The k nearest hits of each ray, in order: by t, and by prim_id where t is the same; every triangle comes once. hits is an
   // array of rays x k: hits[i * k + j] is number j of rays[i], counts[i] says how many there are, and the rest of the k are
-  // misses. One traversal a ray, which culls behind the k-th hit so far. See registry/multi_hit.h for all hits of a ray.
+  // misses. One traversal a ray, which culls behind the k-th hit so far. See registry/multi_hit.h for all hits of a ray. This,
+  // next_hits() and the models of machines exist for the first two tests alone (ModelledTests of registry/method.h).
   Status k_nearest(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts,
                    const TraceOptions& options = {}) const;
 
@@ -115,6 +120,11 @@ class AnyAccel {
 
  private:
   struct State;
+  struct Tracer;
+  // The method with a test; for what only modelled tests have.
+  Result<Tracer> tracer(std::string_view test) const;
+  Result<Tracer> modelled_tracer(std::string_view test) const;
+
   explicit AnyAccel(std::shared_ptr<const State> state) : state_(std::move(state)) {}
   std::shared_ptr<const State> state_;
 };

@@ -42,6 +42,10 @@ struct TestFunctions {
     return query == Query::closest ? run_on<Method, Closest>(structure, run) : run_on<Method, Any>(structure, run);
   }
 
+  static AnyStructure prepare(const AnyStructure& s) {
+    const auto& structure = *s.get_if<typename Method::Structure>();
+    return with_transformed_triangles(structure, [](const PackedTriangle& t) { return Test::prepare_triangle(t); });
+  }
   static void closest(const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, const BatchSettings& settings) {
     run_on<Method, Closest>(
         s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_closest<T>(view, rays, hits, settings); });
@@ -76,7 +80,15 @@ struct TestFunctions {
     trace_hits<Traverser>(view_of<Method>(s), rays, after, hits, counts, threads);
   }
 
-  static constexpr TestEntry entry() { return {closest, occluded, count, simt, multipass, next_hits}; }
+  static constexpr TestEntry entry() {
+    TestEntry entry{};
+    if constexpr (kCanHold<Test, typename Method::Structure>) {
+      if constexpr (PrecomputedTest<Test>) entry.prepare = prepare;
+      entry.closest = closest, entry.occluded = occluded, entry.count = count;
+      if constexpr (kIsModelled<Test>) entry.simt = simt, entry.multipass = multipass, entry.next_hits = next_hits;
+    }
+    return entry;
+  }
 };
 
 template <class Method>

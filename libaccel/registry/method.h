@@ -6,9 +6,13 @@
 #include "libaccel/build/builder.h"
 #include "libaccel/core/hit.h"
 #include "libaccel/core/type_list.h"
+#include "libaccel/geometry/baldwin_weber.h"
 #include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/geometry/moeller_trumbore.h"
+#include "libaccel/geometry/pluecker.h"
 #include "libaccel/geometry/watertight.h"
+#include "libaccel/geometry/woop.h"
+#include "libaccel/structure/transform_triangles.h"
 
 namespace accel {
 
@@ -29,7 +33,24 @@ struct Method {
   static std::string name() { return std::string(Builder::kName) + "/" + kTraverserName; }
 };
 
-// The first is the default.
-using TriangleTests = TypeList<Watertight, MoellerTrumbore>;
+// The first is the default, and the only one whose hits all of the library promises.
+using TriangleTests = TypeList<Watertight, MoellerTrumbore, Woop, WoopKahan, Pluecker, BaldwinWeber>;
+
+// Those that models of machines, multi-hit queries and devices are compiled for, too; the others are compared by their speed
+// and errors on CPUs. The first of the above.
+using ModelledTests = TypeList<Watertight, MoellerTrumbore>;
+
+template <class Test>
+inline constexpr bool kIsModelled = ModelledTests::index_of<Test>() < ModelledTests::size;
+
+// A test that reads something else than vertices: see structure/transform_triangles.h.
+template <class Test>
+concept PrecomputedTest = requires(const PackedTriangle& triangle) {
+  Test::prepare_triangle(triangle);
+};
+
+// Whether a structure can hold what the test reads.
+template <class Test, class Structure>
+inline constexpr bool kCanHold = !PrecomputedTest<Test> || HoldsPackedTriangles<Structure>;
 
 }  // namespace accel

@@ -15,8 +15,12 @@
 
 namespace accel {
 
-// What a method can do with a structure, for one triangle test. One function pointer a query: no virtual calls inside.
+// What a method can do with a structure, for one triangle test. One function pointer a query: no virtual calls inside. All are
+// null where the structure cannot hold what the test reads, and the last three for tests that are not modelled
+// (registry/method.h).
 struct TestEntry {
+  // Makes the structure that the others take from one of vertices; null: the same.
+  AnyStructure (*prepare)(const AnyStructure&);
   void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, const BatchSettings&);
   void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, const BatchSettings&);
   Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t>, int threads, RayCounter);

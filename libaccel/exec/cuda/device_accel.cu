@@ -42,7 +42,7 @@ Result<const DeviceMethod*> find_device_method(std::string_view name) {
 Result<std::size_t> find_test(std::string_view name) {
   if (name.empty()) return std::size_t{0};
   std::vector<std::string_view> names;
-  TriangleTests::for_each([&](auto tag) { names.push_back(decltype(tag)::type::kName); });
+  ModelledTests::for_each([&](auto tag) { names.push_back(decltype(tag)::type::kName); });
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) return unknown_name("triangle test", name, names);
   return static_cast<std::size_t>(found - names.begin());

@@ -39,8 +39,8 @@ struct DeviceMethod {
   bool makes_packets;  // see launch_packets.cuh
 
   std::any (*upload)(const AnyStructure&, Uploader&);                      // the view of a structure of the method's kind
-  std::array<std::array<LaunchFunction, 2>, TriangleTests::size> kernels;  // by test and query
-  std::array<std::array<RaySizes, 2>, TriangleTests::size> ray_sizes;      // likewise
+  std::array<std::array<LaunchFunction, 2>, ModelledTests::size> kernels;  // by test and query
+  std::array<std::array<RaySizes, 2>, ModelledTests::size> ray_sizes;      // likewise
 };
 
 // Defined in instantiate_device_method.cuh.

@@ -56,7 +56,7 @@ Status launch_as_packets(const Launch& launch) {
   const TraceOthers trace_others = [](const Launch& others, const std::uint32_t* ids) {
     return launch_best_trace_kernel<Traverser>(others, StoreListed{ids, store_of<kQuery>(others)});
   };
-  return launch_packets(*std::any_cast<typename Traverser::View>(&launch.view), TriangleTests::index_of<Test>(), kQuery, launch,
+  return launch_packets(*std::any_cast<typename Traverser::View>(&launch.view), ModelledTests::index_of<Test>(), kQuery, launch,
                         trace_others);
 }
 
@@ -91,7 +91,7 @@ DeviceMethod make_device_method() {
   result.upload = detail::upload_structure<Method>;
   result.makes_packets = PacketTraverser<typename Method::template Traverser<Watertight, Query::closest>>;
   std::size_t i = 0;
-  TriangleTests::for_each([&](auto tag) {
+  ModelledTests::for_each([&](auto tag) {
     using Test = typename decltype(tag)::type;
     result.kernels[i] = {detail::launch_trace<Method, Test, Query::closest>, detail::launch_trace<Method, Test, Query::any>};
     result.ray_sizes[i++] = {detail::ray_sizes<typename Method::template Traverser<Test, Query::closest>>(),

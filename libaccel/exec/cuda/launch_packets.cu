@@ -57,10 +57,10 @@ Status launch_any(const Bvh2View& view, const Launch& launch, const TraceOthers&
 }
 
 // By test and query.
-std::array<std::array<PacketLaunch, 2>, TriangleTests::size> packet_launches() {
-  std::array<std::array<PacketLaunch, 2>, TriangleTests::size> launches{};
+std::array<std::array<PacketLaunch, 2>, ModelledTests::size> packet_launches() {
+  std::array<std::array<PacketLaunch, 2>, ModelledTests::size> launches{};
   std::size_t i = 0;
-  TriangleTests::for_each([&](auto tag) {
+  ModelledTests::for_each([&](auto tag) {
     using Test = typename decltype(tag)::type;
     launches[i++] = {launch_closest<Test>, launch_any<Test>};
   });

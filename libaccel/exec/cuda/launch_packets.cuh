@@ -30,7 +30,7 @@ concept PacketTraverser = BatchTraverser<Traverser> && std::same_as<BatchOptions
 // i's.
 using TraceOthers = std::function<Status(const Launch& others, const std::uint32_t* ids)>;
 
-// `test` is an index into TriangleTests.
+// `test` is an index into ModelledTests.
 Status launch_packets(const Bvh2View& view, std::size_t test, Query query, const Launch& launch,
                       const TraceOthers& trace_others);
 
