@@ -7,11 +7,13 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "apps/common/failure.h"
+#include "apps/common/instructions.h"
 #include "apps/common/progress_bar.h"
 #include "libaccel/core/buffer.h"
 #include "libaccel/core/hit.h"
@@ -54,16 +56,21 @@ struct Measurement {
   // What a pass took: by the clock on the wall, and of all processors together.
   struct Pass {
     double seconds = 0, cpu_seconds = 0;
+    std::optional<std::uint64_t> instructions;  // executed by this process, where they are counted
   };
 
   Speed speed;
   std::vector<Pass> passes;  // the timed ones
   Answers answers;
+
+  // The median of the passes; nothing where they are not counted.
+  std::optional<double> instructions() const;
 };
 
-// One measurement an engine, in their order. With no repetitions there are only answers.
+// One measurement an engine, in their order. With no repetitions there are only answers. `counter`, unless null, counts
+// instructions.
 Outcome<std::vector<Measurement>> measure(std::span<Engine> engines, std::span<const Ray> rays, Query query, int repeat,
-                                          ProgressBar& bar);
+                                          ProgressBar& bar, const InstructionCounter* counter = nullptr);
 
 // Of at least one value.
 double median(std::vector<double> values);

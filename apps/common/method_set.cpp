@@ -19,7 +19,8 @@ std::string best_for(const Scene& scene) {
 }
 
 // Why "all" leaves a method out; empty if it does not.
-std::string reason_to_skip(const MethodInfo& method, const Scene& scene, std::uint64_t rays) {
+std::string reason_to_skip(const MethodInfo& method, const Scene& scene, std::uint64_t rays, bool sweep) {
+  if (!method.robust && !sweep) return "it is known to lose hits; name it, or compare it with --sweep";
   if (method.instances && !scene.stored && !scene.data.instances)
     return "the scene has no instances; name the method to trace it as one";
   if (scene.stored && method.builder != scene.stored->builder)
@@ -42,7 +43,7 @@ std::vector<std::string> resolve(const Scene& scene, const TraceSettings& settin
   }
   const std::uint64_t rays = std::max(settings.count, std::uint64_t{settings.width} * settings.height * settings.spp);
   for (const MethodInfo& m : methods()) {
-    const std::string reason = reason_to_skip(m, scene, rays);
+    const std::string reason = reason_to_skip(m, scene, rays, settings.sweep);
     if (reason.empty())
       names.push_back(m.name);
     else

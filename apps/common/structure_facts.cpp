@@ -50,7 +50,8 @@ StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detai
   return facts;
 }
 
-StructureFacts facts_of_kind(const Bvh8& bvh, const BuildOptions& options, Detail) {
+template <class Node>
+StructureFacts facts_of_kind(const Bvh8Of<Node>& bvh, const BuildOptions& options, Detail) {
   return facts_from(bvh8_stats(bvh, options.traversal_cost, options.intersection_cost));
 }
 

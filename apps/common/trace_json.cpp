@@ -107,7 +107,7 @@ void add_check(Json& json, const validation::CheckResult& check) {
   json["wrong_per_million_bound95"] = wrong.bound95_per_million;
   const auto& e = check.errors;
   if (e.samples > 0) {
-    json["t_ulp"] = {{"mean", e.t_ulp_mean}, {"p99", e.t_ulp_p99}, {"max", e.t_ulp_max}};
+    json["t_ulp"] = {{"mean", e.t_ulp_mean}, {"p50", e.t_ulp_p50}, {"p99", e.t_ulp_p99}, {"max", e.t_ulp_max}};
     json["barycentric_error_max"] = e.barycentric_max;
   }
 }
@@ -190,14 +190,27 @@ void add_embree(Json& json, const TraceRow& row, const TraceReport& report) {
                                     {"ratio", ratio_to(*mode)}});
 }
 
+// Where a row stands in a sweep.
+void add_point(Json& json, const SweepPoint& point) {
+  const auto rate = [](const validation::Rate& r) {
+    return Json{{"per_million", r.per_million}, {"bound95_per_million", r.bound95_per_million}};
+  };
+  json["error"] = rate(point.error);
+  json["edge_error"] = rate(point.edge_error);
+  json["leaks"] = rate(point.leaks);
+  json["pareto"] = point.on_front;
+}
+
 Json row_json(const TraceRow& row, const TraceReport& report, const TraceSettings& settings) {
   Measurement::Pass mean;
   for (const Measurement::Pass& pass : row.passes) {
     mean.seconds += pass.seconds / static_cast<double>(row.passes.size());
     mean.cpu_seconds += pass.cpu_seconds / static_cast<double>(row.passes.size());
   }
-  Json json = {{"name", report.scene + "/" + row.method + "/" + row.rays_kind},
-               {"run_name", report.scene + "/" + row.method + "/" + row.rays_kind},
+  const bool is_first_test = row.configuration() == row.method;
+  const std::string name = report.scene + "/" + row.method + "/" + row.rays_kind + (is_first_test ? "" : "/" + row.test);
+  Json json = {{"name", name},
+               {"run_name", name},
                {"run_type", "iteration"},
                {"repetitions", 1},
                {"threads", report.threads},
@@ -211,11 +224,18 @@ Json row_json(const TraceRow& row, const TraceReport& report, const TraceSetting
                {"mrays_per_second", row.speed.median},
                {"mrays_min", row.speed.least},
                {"mrays_max", row.speed.most}};
+  if (!row.test.empty()) json["test"] = row.test;
+  if (row.speed.median > 0) json["ns_per_ray"] = 1e3 / row.speed.median;
+  if (row.instructions) json["instructions_per_ray"] = *row.instructions;
+  json["promised"] = row.promised;
+  if (row.point) add_point(json, *row.point);
   add_embree(json, row, report);
   if (row.check) add_check(json, *row.check);
   const StructureRow& structure = report.structures[row.structure];
   json["build_seconds"] = structure.build_seconds;
   json["bytes"] = structure.bytes;
+  if (report.triangles > 0)
+    json["bytes_per_triangle"] = static_cast<double>(structure.bytes) / static_cast<double>(report.triangles);
   if (structure.facts.sah_cost) json["sah_cost"] = *structure.facts.sah_cost;
   if (structure.facts.depth) json["depth"] = *structure.facts.depth;
   if (row.counters) add_counters(json, *row.counters, row.rays);
@@ -249,6 +269,7 @@ std::string report_json(const TraceReport& report, const TraceSettings& settings
   Json json = {{"context", context_json(report, settings)}, {"benchmarks", Json::array()}};
   for (const TraceRow& row : report.rows) json["benchmarks"].push_back(row_json(row, report, settings));
   for (const SortRow& row : report.sorts) json["benchmarks"].push_back(sort_json(row, report, settings));
+  for (const Advice& advice : report.advice) json["context"]["advice"][advice.rays_kind] = advice.text;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

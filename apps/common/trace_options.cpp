@@ -129,6 +129,16 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->check(whole_number(1))
       ->type_name("N")
       ->group("Measuring and checking");
+  app.add_flag("--sweep", settings.sweep,
+               "run time against error: every method with every triangle test,\n"
+               "edge rays always among the rays; by default 512 x 384 pixels,\n"
+               "3 runs, all methods, primary and diffuse rays")
+      ->group("Measuring and checking");
+  app.add_option("--max-error", settings.max_error,
+                 "sweeps: recommend the fastest with at most so many wrong hits per\nmillion [what is promised to have none]")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("X")
+      ->group("Measuring and checking");
   app.add_option("--sort", raw.sort,
                  "measure the rays sorted, too, by ray-hash or morton: what that\n"
                  "costs and gains each method")
@@ -278,10 +288,16 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   if (!methods) return methods.failure();
   settings.methods = *std::move(methods);
 
-  constexpr const char* kDemoRays = "primary,shadow,diffuse,edge";
-  auto kinds = parse_ray_kinds(!raw.rays.empty() ? raw.rays : settings.is_demo ? kDemoRays : "primary");
+  constexpr const char *kDemoRays = "primary,shadow,diffuse,edge", *kSweptRays = "primary,diffuse,edge";
+  auto kinds = parse_ray_kinds(!raw.rays.empty()  ? raw.rays
+                               : settings.sweep   ? kSweptRays
+                               : settings.is_demo ? kDemoRays
+                                                  : "primary");
   if (!kinds) return kinds.failure();
   settings.ray_kinds = *std::move(kinds);
+  const std::string edge(info(RayKind::edge).name);
+  if (settings.sweep && std::find(settings.ray_kinds.begin(), settings.ray_kinds.end(), edge) == settings.ray_kinds.end())
+    settings.ray_kinds.push_back(edge);
 
   const auto check = parse_check(raw.check);
   if (!check) return check.failure();
@@ -330,6 +346,11 @@ Finished check_consistency(const TraceSettings& settings) {
   if (!settings.diff.empty() && settings.check == Check::none) return usage("--diff: needs a witness; leave out --check none");
   for (const auto& [flag, path] : {std::pair{"--rays-out", &settings.rays_out}, {"--hits-out", &settings.hits_out}})
     if (!path->empty() && !is_npy(*path)) return usage(std::string(flag) + ": '" + *path + "' should end in .npy");
+  if (settings.max_error && !settings.sweep) return usage("--max-error: is about sweeps; add --sweep");
+  if (settings.sweep && settings.check == Check::none) return usage("--sweep: measures errors; leave out --check none");
+  if (settings.sweep && settings.device != "cpu")
+    return usage("--sweep: is for the CPU; leave out --device " + settings.device);
+  if (settings.sweep && settings.sort) return usage("--sweep: and --sort are measured one at a time");
   if (settings.hits > 0 && settings.hits_out.empty()) return usage("--hits: needs --hits-out, a file for them");
   return check_writable({settings.json, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
 }
@@ -341,6 +362,18 @@ Finished refuse_build_options(const CLI::App& app, const TraceSettings& settings
     if (option->get_group() == "Build" && option->count() > 0)
       return usage(option->get_name() + ": '" + settings.scene + "' is built already; give this option to accel-build");
   return Done{};
+}
+
+// A sweep measures a hundred configurations: fewer rays and runs, unless the user says so.
+void apply_sweep_defaults(const CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+  const auto unless_given = [&](const char* flag, auto& value, auto standard) {
+    if (app.count(flag) == 0) value = standard;
+  };
+  unless_given("--width", settings.width, 512u);
+  unless_given("--height", settings.height, 384u);
+  unless_given("--repeat", settings.repeat, 3);
+  unless_given("--method", raw.methods, std::string("all"));
+  unless_given("--embree", raw.embree, std::string("robust"));
 }
 
 }  // namespace
@@ -365,6 +398,7 @@ Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   settings.build.threads = settings.common.threads;
   if (!settings.help.empty() || settings.list) return settings;
   if (auto done = refuse_build_options(app, settings); !done) return done.failure();
+  if (settings.sweep) apply_sweep_defaults(app, settings, raw);
   if (auto done = interpret(raw, settings); !done) return done.failure();
   if (auto done = check_consistency(settings); !done) return done.failure();
   return settings;

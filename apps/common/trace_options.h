@@ -39,6 +39,9 @@ struct TraceSettings {
   std::vector<std::string> embree;  // modes to be timed besides the fast one, or "all"; empty: that one, if it is the witness
   std::uint64_t judge_limit = 0;    // 0: none
 
+  bool sweep = false;               // every combination of method and triangle test: see apps/common/sweep.h
+  std::optional<double> max_error;  // wrong hits per million that advice allows
+
   std::optional<RaySort> sort;   // measure sorted rays, too
   PacketOptions packets;         // its cell_fraction is that of the sort, too
 

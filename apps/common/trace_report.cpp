@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/common/sweep.h"
 #include "apps/common/table.h"
 #include "apps/common/text.h"
 #include "libaccel/registry/any_accel.h"
@@ -39,7 +40,7 @@ std::string failures_section(const TraceReport& report, const Terminal& terminal
   if (report.failures() == 0) return {};
   std::string text = terminal.styled("WRONG HITS", Style::bad) + "\n";
   for (const TraceRow& row : report.rows) {
-    if (!row.check || row.check->failures() == 0) continue;
+    if (!row.check || !row.promised || row.check->failures() == 0) continue;
     text += "  " + row.method + ", " + row.rays_kind + ": " + counted(row.check->failures(), "ray") + " of " +
             with_commas(row.rays) + " wrong (" + failures_text(row.check->ours) + ")\n";
     const auto& first = row.check->first_failures;
@@ -334,9 +335,13 @@ bool any_row(const TraceReport& report, Condition condition) {
 
 }  // namespace
 
+std::string TraceRow::configuration() const {
+  return test.empty() || test == triangle_tests().front() ? method : method + " + " + test;
+}
+
 std::uint64_t TraceReport::failures() const {
   std::uint64_t sum = 0;
-  for (const TraceRow& row : rows) sum += row.check ? row.check->failures() : 0;
+  for (const TraceRow& row : rows) sum += row.check && row.promised ? row.check->failures() : 0;
   for (const SortRow& row : sorts) sum += row.different;
   return sum;
 }
@@ -369,8 +374,12 @@ std::string report_text(const TraceReport& report, const TraceSettings& settings
   const bool checked = any_row(report, [](const TraceRow& row) { return row.check.has_value(); });
   const bool in_warps = any_row(report, [](const TraceRow& row) { return row.simt.has_value(); });
   const bool in_passes = any_row(report, [](const TraceRow& row) { return row.multipass.has_value(); });
-  std::string text = failures_section(report, terminal) + scene_section(report, settings, terminal) +
-                     structures_section(report, terminal) + speed_section(report, settings, terminal);
+  std::string text =
+      failures_section(report, terminal) + scene_section(report, settings, terminal) + structures_section(report, terminal);
+  if (settings.sweep)
+    return text + sweep_section(report, settings, terminal) + (settings.explain ? explanations(report) : "") +
+           skipped_section(report);
+  text += speed_section(report, settings, terminal);
   const bool has_modes = any_row(report, [&](const TraceRow& row) { return report.best_embree_row(row.rays_kind) != nullptr; });
   if (has_modes) text += best_embree_section(report, terminal);
   if (!report.sorts.empty()) text += sort_section(report, settings, terminal);

@@ -33,6 +33,14 @@ struct StructureRow {
   StructureFacts facts;
 };
 
+// Where a row of a sweep stands among those of its kind of rays (apps/common/sweep.h).
+struct SweepPoint {
+  double ns_per_ray = 0;               // the median
+  validation::Rate error;              // wrong hits: the higher of the rates of these rays and of edge rays
+  validation::Rate edge_error, leaks;  // of edge rays: wrong hits, and those that are misses
+  bool on_front = false;               // no other is as fast and as good, and better in one of both
+};
+
 // A method or Embree in one of its modes, and a kind of rays.
 struct TraceRow {
   std::string method, rays_kind;
@@ -46,6 +54,18 @@ struct TraceRow {
   std::optional<MultipassProfile> multipass;
   std::string repro;                    // the bundle that reproduces failures, where one was written
   const EmbreeTimed* embree = nullptr;  // the mode, of Embree's rows
+  std::string test = {};                // the triangle test, of ours
+  bool promised = true;                 // wrong hits are failures: not of what is there to be compared
+  std::optional<double> instructions = {};  // a ray, where they are counted
+  std::optional<SweepPoint> point = {};     // of a sweep
+
+  // "sbvh/stack", or with a test that is not the first, "sbvh/stack + woop".
+  std::string configuration() const;
+};
+
+// What a sweep recommends for a kind of rays.
+struct Advice {
+  std::string rays_kind, text;
 };
 
 // A method on the rays of a kind in sorted order, beside the same in the order in which they came.
@@ -75,6 +95,7 @@ struct TraceReport {
   std::vector<SortRow> sorts;
   std::vector<BuildNote> notes;  // of the builds, each once
   std::vector<Skip> skipped;
+  std::vector<Advice> advice;  // of a sweep, by kind of rays
 
   std::uint64_t failures() const;
   // Embree's rows for a kind of rays: the one that ratios refer to, or null; its fastest mode, where several were timed, or

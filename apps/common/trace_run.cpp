@@ -12,6 +12,7 @@
 #include "apps/common/image.h"
 #include "apps/common/method_set.h"
 #include "apps/common/ray_batch.h"
+#include "apps/common/sweep.h"
 #include "apps/common/text.h"
 #include "apps/common/trace_pictures.h"
 #include "libaccel/io/npy.h"
@@ -47,9 +48,12 @@ class TraceRun {
     if (!rivals) return rivals.failure();
     rivals_ = *std::move(rivals);
     describe_structures(*set, *checker);
-    if (auto done = make_engines(*set); !done) return done.failure();
+    configurations_ = configurations(*set, settings_, report_.skipped);
+    if (settings_.sweep && !counter_.reason().empty()) report_.skipped.push_back({"instructions a ray", counter_.reason()});
+    if (auto done = make_engines(); !done) return done.failure();
     for (const std::string& kind : settings_.ray_kinds)
-      if (auto done = trace_kind(kind, *set, *maker, *checker); !done) return done.failure();
+      if (auto done = trace_kind(kind, *maker, *checker); !done) return done.failure();
+    if (settings_.sweep) place_on_plane(report_, settings_);
     if (auto done = write_view(set->members.front().accel, *maker); !done) return done.failure();
     return std::move(report_);
   }
@@ -99,13 +103,15 @@ class TraceRun {
     return row;
   }
 
-  Finished make_engines(const MethodSet& set) {
-    for (const MethodSet::Member& member : set.members) {
+  Finished make_engines() {
+    for (const Configuration& configuration : configurations_) {
+      const AnyAccel& accel = configuration.member->accel;
+      if (const Status accepted = accel.accepts(configuration.test); !accepted) return accepted.error();
       if (settings_.device == "cpu") {
-        engines_.push_back(engine_of(member.accel, trace_options()));
+        engines_.push_back(engine_of(accel, trace_options(configuration.test)));
         continue;
       }
-      auto engine = device_engine_of(member.accel, settings_.test);
+      auto engine = device_engine_of(accel, configuration.test);
       if (!engine) return engine.failure();
       engines_.push_back(*std::move(engine));
     }
@@ -128,7 +134,7 @@ class TraceRun {
   }
 
   // Everything about one kind of rays: time all methods and the witness in turns, count, check.
-  Finished trace_kind(const std::string& kind, MethodSet& set, RayMaker& maker, Checker& checker) {
+  Finished trace_kind(const std::string& kind, RayMaker& maker, Checker& checker) {
     if (auto fits = check_memory(kind, maker); !fits) return fits;
     bar_.begin("tracing " + kind);
     auto batch = maker.make(kind);
@@ -148,24 +154,33 @@ class TraceRun {
     const std::size_t first_rival = engines.size();
     const Buffer<Ray> tiles = add_rivals(*batch, engines);
     terminal_.detail("tracing " + counted(batch->size(), "ray") + " of kind " + batch->name);
-    auto measured = measure(engines, batch->rays(), batch->query, settings_.repeat, bar_);
+    auto measured = measure(engines, batch->rays(), batch->query, settings_.repeat, bar_, &counter_);
     if (!measured) return measured.failure();
 
     std::optional<Answers> testimonies[2];  // by truth
-    for (std::size_t m = 0; m < set.members.size(); ++m) {
-      const bool is_first = m == 0 && kind == settings_.ray_kinds.front();
-      const Truth truth = checker.truth_of(set.members[m].accel.method());
+    const auto testimony_for = [&](Truth truth) -> Outcome<const Answers*> {
       std::optional<Answers>& testimony = testimonies[static_cast<int>(truth)];
       if (!testimony) {
         auto answers = checker.testify(*batch, truth);
         if (!answers) return answers.failure();
         testimony = *std::move(answers);
       }
-      const Traced traced{set.members[m], engines[m], *batch, (*measured)[m], truth, *testimony, is_first};
+      return &*testimony;
+    };
+    for (std::size_t m = 0; m < configurations_.size(); ++m) {
+      const bool is_first = m == 0 && kind == settings_.ray_kinds.front();
+      const Truth truth = checker.truth_of(configurations_[m].member->accel.method());
+      const auto testimony = testimony_for(truth);
+      if (!testimony) return testimony.failure();
+      const Traced traced{configurations_[m], engines[m], *batch, (*measured)[m], truth, **testimony, is_first};
       if (auto done = examine(traced, maker, checker); !done) return done;
       if (sorted) compare_orders(traced, (*measured)[engines_.size() + m], *sorted);
     }
-    for (std::size_t r = 0; r < rivals_.size(); ++r) add_rival_row(r, *batch, (*measured)[first_rival + r]);
+    // A sweep has Embree on its plane, too.
+    const auto testimony = settings_.sweep ? testimony_for(Truth::as_it_is) : Outcome<const Answers*>(nullptr);
+    if (!testimony) return testimony.failure();
+    for (std::size_t r = 0; r < rivals_.size(); ++r)
+      if (auto done = add_rival_row(r, *batch, (*measured)[first_rival + r], *testimony, checker); !done) return done;
     return Done{};
   }
 
@@ -183,21 +198,25 @@ class TraceRun {
 
   // A method's answers to a batch, and what they are compared with.
   struct Traced {
-    const MethodSet::Member& member;
+    const Configuration& configuration;
     const Engine& engine;
     const RayBatch& batch;
     const Measurement& measured;
     Truth truth;
     const Answers& testimony;
     bool is_first;  // the method and kind that files are about
+
+    const AnyAccel& accel() const { return configuration.member->accel; }
   };
 
   Finished examine(const Traced& traced, RayMaker& maker, Checker& checker) {
-    const std::string& method = traced.member.accel.method().name;
-    TraceRow row{
-        method, traced.batch.name, traced.batch.size(), traced.measured.speed, traced.measured.passes, traced.member.structure};
+    const std::string& method = traced.accel().method().name;
+    TraceRow row = row_of(method, traced.batch, traced.measured, traced.configuration.member->structure);
+    row.test = traced.configuration.test, row.promised = traced.configuration.promised;
     std::vector<std::uint32_t> steps(traced.is_first && !settings_.heatmap.empty() ? traced.batch.size() : 0);
-    if (auto done = count(traced, steps, row); !done) return done;
+    // A sweep's tests share the steps of their method.
+    if (!settings_.sweep || row.promised)
+      if (auto done = count(traced, steps, row); !done) return done;
     if (auto done = profile(traced, row); !done) return done;
     if (checker.checks()) {
       bar_.begin("checking " + method + ", " + traced.batch.name);
@@ -205,7 +224,7 @@ class TraceRun {
                                    traced.is_first && !settings_.diff.empty());
       if (!checked) return checked.failure();
       row.check = *std::move(checked);
-      if (row.check->failures() > 0) write_bundle(traced, checker, row);
+      if (row.promised && row.check->failures() > 0) write_bundle(traced, checker, row);
     }
     if (traced.is_first)
       if (auto done = write_files(traced, row, steps, maker, checker); !done) return done;
@@ -215,7 +234,7 @@ class TraceRun {
 
   // Sorting must change no answer, and may change the speed.
   void compare_orders(const Traced& traced, const Measurement& in_order, const SortedRays& sorted) {
-    SortRow row{traced.member.accel.method().name, traced.batch.name, traced.batch.size(), sorted.order.chunks, sorted.cost};
+    SortRow row{traced.accel().method().name, traced.batch.name, traced.batch.size(), sorted.order.chunks, sorted.cost};
     row.as_they_came = traced.measured.speed, row.sorted = in_order.speed;
     const Answers answers = unsorted(in_order.answers, sorted.order, settings_.common.threads, row.cost);
     row.different = differences(traced.measured.answers, answers);
@@ -231,8 +250,8 @@ class TraceRun {
         return Error{std::string(kInterrupted)};
       const std::size_t size = std::min(traced.engine.rays_per_call, rays.size() - begin);
       const auto part = steps.empty() ? steps : steps.subspan(begin, size);
-      const auto counted_part =
-          traced.member.accel.count(rays.subspan(begin, size), traced.batch.query, part, trace_options(), settings_.heatmap_of);
+      const auto counted_part = traced.accel().count(rays.subspan(begin, size), traced.batch.query, part,
+                                                     trace_options(traced.configuration.test), settings_.heatmap_of);
       if (!counted_part) return counted_part.error();
       total += *counted_part;
     }
@@ -241,28 +260,45 @@ class TraceRun {
   }
 
   Finished profile(const Traced& traced, TraceRow& row) {
-    const AnyAccel& accel = traced.member.accel;
+    const AnyAccel& accel = traced.accel();
     const RayBatch& batch = traced.batch;
     if (settings_.profile_simt) {
       bar_.begin("simulating warps of " + traced.engine.name);
-      const auto simulated = accel.profile_simt(batch.rays(), batch.query, {}, {settings_.schedule}, trace_options());
+      const auto simulated =
+          accel.profile_simt(batch.rays(), batch.query, {}, {settings_.schedule}, trace_options(traced.configuration.test));
       if (!simulated) return simulated.error();
       row.simt = *simulated;
     }
     if (settings_.profile_multipass) {
       bar_.begin("running passes of " + traced.engine.name);
-      const auto profiled = accel.trace_multipass(batch.rays(), batch.query, {}, settings_.multipass, trace_options());
+      const auto profiled =
+          accel.trace_multipass(batch.rays(), batch.query, {}, settings_.multipass, trace_options(traced.configuration.test));
       if (!profiled) return profiled.error();
       row.multipass = *profiled;
     }
     return Done{};
   }
 
-  void add_rival_row(std::size_t rival, const RayBatch& batch, const Measurement& measured) {
+  static TraceRow row_of(const std::string& name, const RayBatch& batch, const Measurement& measured, std::size_t structure) {
+    TraceRow row{name, batch.name, batch.size(), measured.speed, measured.passes, structure};
+    if (const auto instructions = measured.instructions(); instructions && batch.size() > 0)
+      row.instructions = *instructions / static_cast<double>(batch.size());
+    return row;
+  }
+
+  // The testimony is that of sweeps; it does not fit modes that traced the rays in another order.
+  Finished add_rival_row(std::size_t rival, const RayBatch& batch, const Measurement& measured, const Answers* testimony,
+                         Checker& checker) {
     const EmbreeRival& of = rivals_[rival];
-    TraceRow row{of.engine.name, batch.name, batch.size(), measured.speed, measured.passes, rival_structures_[rival]};
-    row.embree = of.timed;
+    TraceRow row = row_of(of.engine.name, batch, measured, rival_structures_[rival]);
+    row.embree = of.timed, row.promised = false;
+    if (testimony != nullptr && !takes_tiles(*of.timed)) {
+      auto checked = checker.check(batch, Truth::as_it_is, measured.answers, *testimony, false);
+      if (!checked) return checked.failure();
+      row.check = *std::move(checked);
+    }
     report_.rows.push_back(std::move(row));
+    return Done{};
   }
 
   Finished write_files(const Traced& traced, const TraceRow& row, std::span<const std::uint32_t> steps, RayMaker& maker,
@@ -301,8 +337,8 @@ class TraceRun {
         return Error{std::string(kInterrupted)};
       const std::size_t size = std::min(traced.engine.rays_per_call, rays.size() - begin);
       const Status found =
-          traced.member.accel.k_nearest(rays.subspan(begin, size), k, std::span(hits).subspan(begin * k, size * k),
-                                        std::span(counts).subspan(begin, size), trace_options());
+          traced.accel().k_nearest(rays.subspan(begin, size), k, std::span(hits).subspan(begin * k, size * k),
+                                   std::span(counts).subspan(begin, size), trace_options(traced.configuration.test));
       if (!found) return found.error();
     }
     if (const Status written = write_hits_npy(settings_.hits_out, hits, k); !written) return written.error();
@@ -346,14 +382,16 @@ class TraceRun {
       terminal_.warning("no repro bundle: " + written.failure().message);
   }
 
-  TraceOptions trace_options() const { return {settings_.common.threads, settings_.test, settings_.packets}; }
+  TraceOptions trace_options(const std::string& test) const { return {settings_.common.threads, test, settings_.packets}; }
 
   const TraceSettings& settings_;
   const Terminal& terminal_;
   ProgressBar& bar_;
   Scene scene_;
   TraceReport report_;
-  std::vector<Engine> engines_;  // one for each method
+  InstructionCounter counter_;
+  std::vector<Configuration> configurations_;
+  std::vector<Engine> engines_;  // one for each configuration
   EmbreeScenes embree_;
   std::vector<EmbreeRival> rivals_;
   std::vector<std::size_t> rival_structures_;  // their rows among the structures

@@ -2,7 +2,7 @@
 //
 // Such a traverser has a class template `Batch<TraceSingly>`, whose objects are made of a view, its Options and a function that
 // traces a single ray, and have trace(rays, answers): see packet/packet_tracer.h. What concerns single rays is the traverser's
-// own.
+// own. A batch whose code is for some triangle tests, and which serves others by the way, says so: `kIsTuned` is false for those.
 #pragma once
 
 #include "libaccel/core/hit.h"
@@ -20,6 +20,16 @@ template <class Traverser>
 concept BatchTraverser = requires {
   typename Traverser::template Batch<detail::TraceSingly>;
 };
+
+// Whether the traverser's code on CPUs is written for its triangle test.
+template <class Traverser>
+constexpr bool is_tuned() {
+  if constexpr (BatchTraverser<Traverser>) {
+    using Batch = typename Traverser::template Batch<detail::TraceSingly>;
+    if constexpr (requires { Batch::kIsTuned; }) return Batch::kIsTuned;
+  }
+  return true;
+}
 
 // What a batch is made with.
 template <BatchTraverser Traverser>

@@ -30,7 +30,8 @@ struct BaldwinWeber {
 
   ACCEL_HD static RayData prepare(const Ray&) { return {}; }
 
-  // What intersect() wants in place of a triangle: {u_b, u_c, u_0}, {v_b, v_c, v_0}, {w_b, w_c, w_0}, the prim_id, and the axis.
+  // What intersect() wants in place of a triangle: {u_b, u_c, u_0}, {v_b, v_c, v_0}, {w_b, w_c, w_0}, the prim_id, and the
+  // axis.
   static PackedTriangle prepare_triangle(const PackedTriangle& triangle) {
     double origin[3], e1[3], e2[3], n[3];
     for (int i = 0; i < 3; ++i) {

@@ -25,6 +25,9 @@ namespace accel {
 struct Pluecker {
   static constexpr const char* kName = "pluecker";
 
+  // The error of a volume as a share of its permanent: gamma(7), and what the permanent itself may have lost to its roundings.
+  static constexpr float kBound = gamma(7) * (1.0f + 2.0f * gamma(7));
+
   // What the test prepares once a ray: nothing.
   struct RayData {};
 
@@ -67,9 +70,6 @@ struct Pluecker {
 
   // A volume that is within its bound of zero may leave a coordinate outside of the triangle.
   ACCEL_HD static float clamped(float x) { return min_of(max_of(x, 0.0f), 1.0f); }
-
-  // gamma(7), and what the permanent itself may have lost to seven roundings.
-  static constexpr float kBound = gamma(7) * (1.0f + 2.0f * gamma(7));
 };
 
 }  // namespace accel

@@ -44,6 +44,7 @@ class PacketTracer {
  public:
   using Options = PacketOptions;
   using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
+  static constexpr bool kIsTuned = std::is_same_v<Test, Watertight>;
 
   // The view has octo nodes, unless the scene has but one leaf, and no path is longer than kBvh2StackSize.
   PacketTracer(const Bvh2View& view, const PacketOptions& options, TraceSingly trace_singly)
@@ -67,7 +68,7 @@ class PacketTracer {
 
  private:
   using Primitives = SerialPrimitives;
-  static constexpr bool kHasGroups = std::is_same_v<Test, Watertight>;
+  static constexpr bool kHasGroups = kIsTuned;
 
   // How blocks begin; what is left goes the next way.
   enum class Way : std::uint8_t { frustums, groups, singly };

@@ -25,6 +25,13 @@ const std::vector<MethodEntry>& entries() {
   return list;
 }
 
+template <class Tests>
+std::vector<std::string> names_of() {
+  std::vector<std::string> names;
+  Tests::for_each([&](auto test) { names.emplace_back(decltype(test)::type::kName); });
+  return names;
+}
+
 Result<const MethodEntry*> find_entry(std::string_view name) {
   const Result<std::string> found = find_method(name);
   if (!found) return found.error();
@@ -77,11 +84,12 @@ const std::vector<MethodInfo>& methods() {
 }
 
 const std::vector<std::string>& triangle_tests() {
-  static const std::vector<std::string> list = [] {
-    std::vector<std::string> result;
-    TriangleTests::for_each([&](auto test) { result.emplace_back(decltype(test)::type::kName); });
-    return result;
-  }();
+  static const std::vector<std::string> list = names_of<TriangleTests>();
+  return list;
+}
+
+const std::vector<std::string>& modelled_tests() {
+  static const std::vector<std::string> list = names_of<ModelledTests>();
   return list;
 }
 
@@ -139,8 +147,13 @@ Status AnyAccel::accepts(std::string_view test) const {
   const auto found = find_test(test);
   if (!found) return found.error();
   if (state_->entry->tests[*found].closest != nullptr) return Done{};
-  return Error{method().name + " does not trace with the test " + std::string(test) + ": the leaves of a '" + method().structure +
-               "' have no room for what it precomputes"};
+  return Error{method().name + " does not trace with the test " + std::string(test) + ": the leaves of a '" +
+               method().structure + "' have no room for what it precomputes"};
+}
+
+bool AnyAccel::is_tuned_for(std::string_view test) const {
+  const auto found = find_test(test);
+  return found && state_->entry->tests[*found].is_tuned;
 }
 
 Result<AnyAccel::Tracer> AnyAccel::tracer(std::string_view test) const try {
@@ -155,7 +168,7 @@ Result<AnyAccel::Tracer> AnyAccel::modelled_tracer(std::string_view test) const 
   const auto found = tracer(test);
   if (!found || found->entry->simt != nullptr) return found;
   std::string names;
-  ModelledTests::for_each([&](auto tag) { names += (names.empty() ? "" : " and ") + std::string(decltype(tag)::type::kName); });
+  for (const std::string& name : modelled_tests()) names += (names.empty() ? "" : " and ") + name;
   return Error{"models of machines and queries for several hits have the tests " + names + ", not " + std::string(test)};
 }
 
@@ -187,18 +200,14 @@ Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const T
   const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, hits); !s) return s;
-  return with_memory([&] {
-    test->entry->closest(*test->structure, rays, hits, {options.threads, options.packets});
-  });
+  return with_memory([&] { test->entry->closest(*test->structure, rays, hits, {options.threads, options.packets}); });
 }
 
 Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options) const {
   const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, occluded); !s) return s;
-  return with_memory([&] {
-    test->entry->occluded(*test->structure, rays, occluded, {options.threads, options.packets});
-  });
+  return with_memory([&] { test->entry->occluded(*test->structure, rays, occluded, {options.threads, options.packets}); });
 }
 
 // Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more.

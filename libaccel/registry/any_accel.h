@@ -31,11 +31,14 @@ struct MethodInfo {
   std::string structure;  // "bvh2"
   bool exhaustive;        // every ray tests every triangle: see trace/traverser.h
   bool instances;         // keeps instances apart: see registry/method.h
+  bool robust;            // loses no hit with the first triangle test; others are there to be compared
 };
 
-// All methods and all triangle tests, in the registry's order.
+// All methods and all triangle tests, in the registry's order; and the tests that models of machines, queries for several hits
+// and devices have.
 const std::vector<MethodInfo>& methods();
 const std::vector<std::string>& triangle_tests();
+const std::vector<std::string>& modelled_tests();
 
 // The name of a method, or an error that suggests one. "best" is resolved as best_method() says.
 Result<std::string> find_method(std::string_view name);
@@ -69,9 +72,12 @@ class AnyAccel {
   // built. Optional arrays that the method reads and the structure lacks are made, on all threads, and reported.
   static Result<AnyAccel> bind(AnyStructure structure, std::string_view method, BuildReport report = {});
 
-  // Whether rays can be traced with a test of triangle_tests(): not with one that reads transforms where leaves have no room for
-  // them. The first rays that are traced with such a test wait for the transforms of all triangles, a copy of the leaves.
+  // Whether rays can be traced with a test of triangle_tests(): not with one that reads transforms where leaves have no room
+  // for them. The first rays that are traced with such a test wait for the transforms of all triangles, a copy of the leaves.
   Status accepts(std::string_view test) const;
+
+  // Whether the method's code for batches is written for the test, and not one that serves any. False for unknown tests.
+  bool is_tuned_for(std::string_view test) const;
 
   // Fails if the traverser cannot trace this structure: wrong kind, or too deep for its stack.
   Result<AnyAccel> with_method(std::string_view method) const { return bind(structure(), method, report()); }
@@ -87,7 +93,7 @@ class AnyAccel {
   // The k nearest hits of each ray, in order: by t, and by prim_id where t is the same; every triangle comes once. hits is an
   // array of rays x k: hits[i * k + j] is number j of rays[i], counts[i] says how many there are, and the rest of the k are
   // misses. One traversal a ray, which culls behind the k-th hit so far. See registry/multi_hit.h for all hits of a ray. This,
-  // next_hits() and the models of machines exist for the first two tests alone (ModelledTests of registry/method.h).
+  // next_hits() and the models of machines exist for modelled_tests() alone.
   Status k_nearest(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts,
                    const TraceOptions& options = {}) const;
 

@@ -31,6 +31,17 @@ auto run_on(const AnyStructure& structure, const Run& run) {
   return with_traverser<Traverser>(view, [&](auto traverser) { return run(view, traverser); });
 }
 
+// Whether the method's structure has room for what the test reads: not where the words of triangles are links to uncles.
+template <class Method, class Test>
+constexpr bool can_hold() {
+  using Traverser = typename Method::template Traverser<Test, Query::closest>;
+  if constexpr (!PrecomputedTest<Test>)
+    return true;
+  else
+    return HoldsPackedTriangles<typename Method::Structure> && !needs<Traverser>(Bvh2Extras::uncles) &&
+           !needs<Traverser>(Bvh2Extras::hash) && !needs<Traverser>(Bvh2Extras::full_hash);
+}
+
 template <class Method, class Test>
 struct TestFunctions {
   using Closest = typename Method::template Traverser<Test, Query::closest>;
@@ -82,7 +93,8 @@ struct TestFunctions {
 
   static constexpr TestEntry entry() {
     TestEntry entry{};
-    if constexpr (kCanHold<Test, typename Method::Structure>) {
+    if constexpr (can_hold<Method, Test>()) {
+      entry.is_tuned = is_tuned<Closest>();
       if constexpr (PrecomputedTest<Test>) entry.prepare = prepare;
       entry.closest = closest, entry.occluded = occluded, entry.count = count;
       if constexpr (kIsModelled<Test>) entry.simt = simt, entry.multipass = multipass, entry.next_hits = next_hits;
@@ -128,8 +140,8 @@ Result<AnyAccel> build_method(const Scene& scene, const MethodInfo& info, const 
 template <class Method>
 MethodEntry make_method_entry() {
   MethodEntry entry;
-  entry.info = {Method::name(),           Method::Builder::kName, Method::kTraverserName,
-                Method::Structure::kName, Method::kExhaustive,    Method::kInstances};
+  entry.info = {Method::name(),      Method::Builder::kName, Method::kTraverserName, Method::Structure::kName,
+                Method::kExhaustive, Method::kInstances,     Method::kIsRobust};
   entry.build = detail::build_method<Method, TriangleMesh>;
   entry.build_instances = detail::build_method<Method, InstancedMeshes>;
   entry.check = detail::check_structure<Method>;

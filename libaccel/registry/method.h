@@ -26,6 +26,12 @@ struct Method {
 
   static constexpr const char* kTraverserName = Traverser<Watertight, Query::closest>::kName;
   static constexpr bool kExhaustive = requires { requires Traverser<Watertight, Query::closest>::kIsExhaustive; };
+  static constexpr bool kIsRobust = [] {
+    if constexpr (requires { Traverser<Watertight, Query::closest>::kIsRobust; })
+      return Traverser<Watertight, Query::closest>::kIsRobust;
+    else
+      return true;
+  }();
   // Whether the structure keeps instances apart; other methods trace their triangles as one mesh.
   static constexpr bool kInstances = requires(const InstancedMeshes& scene, const BuildOptions& options) {
     Builder::build(scene, options);
@@ -49,8 +55,5 @@ concept PrecomputedTest = requires(const PackedTriangle& triangle) {
   Test::prepare_triangle(triangle);
 };
 
-// Whether a structure can hold what the test reads.
-template <class Test, class Structure>
-inline constexpr bool kCanHold = !PrecomputedTest<Test> || HoldsPackedTriangles<Structure>;
 
 }  // namespace accel

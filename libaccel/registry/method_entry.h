@@ -19,6 +19,8 @@ namespace accel {
 // null where the structure cannot hold what the test reads, and the last three for tests that are not modelled
 // (registry/method.h).
 struct TestEntry {
+  bool is_tuned;  // see exec/batch_traverser.h
+
   // Makes the structure that the others take from one of vertices; null: the same.
   AnyStructure (*prepare)(const AnyStructure&);
   void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, const BatchSettings&);

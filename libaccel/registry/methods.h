@@ -7,6 +7,7 @@
 #pragma once
 
 #include "libaccel/build/binned_sah.h"
+#include "libaccel/build/coded_wide_sbvh.h"
 #include "libaccel/build/grid.h"
 #include "libaccel/build/instances.h"
 #include "libaccel/build/kdtree_sah.h"
@@ -50,6 +51,10 @@ using Methods = TypeList<                     //
     Method<BinnedSah, Bvh2BreadthFirst>,      // bvh/breadth-first
     Method<Sbvh, Bvh2BreadthFirst>,           // sbvh/breadth-first
     Method<WideSbvh, Bvh8Ordered>,            // bvh8/ordered
+    Method<WideSbvh, Bvh8OrderedNaive>,       // bvh8/ordered-naive
+    Method<WideSbvh, Bvh8OrderedFused>,       // bvh8/ordered-fma
+    Method<HalfWideSbvh, Bvh8HalfOrdered>,    // bvh8-half/ordered
+    Method<ByteWideSbvh, Bvh8ByteOrdered>,    // bvh8-byte/ordered
     Method<GridBuilder, GridDda>,             // grid/dda
     Method<KdTreeSah, KdTreeStack>,           // kdtree/stack
     Method<KdTreeSah, KdTreeRestart>,         // kdtree/restart

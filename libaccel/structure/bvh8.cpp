@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "libaccel/structure/bvh8_coded.h"
+
 namespace accel {
 namespace {
 
@@ -16,8 +18,8 @@ bool is_untestable(const TriangleBlock& triangles, std::uint32_t lane) {
 }
 
 // How many triangles a block has, or an error where it is none: a gap, or a prim_id beyond the triangles.
-Result<std::uint32_t> triangles_of(const Bvh8& bvh, std::uint32_t block, std::uint64_t triangle_count) {
-  const TriangleBlock& triangles = bvh.blocks[block];
+Result<std::uint32_t> triangles_of(const Buffer<TriangleBlock>& blocks, std::uint32_t block, std::uint64_t triangle_count) {
+  const TriangleBlock& triangles = blocks[block];
   std::uint32_t count = 0;
   for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) {
     if (!triangles.has(lane)) {
@@ -34,9 +36,10 @@ Result<std::uint32_t> triangles_of(const Bvh8& bvh, std::uint32_t block, std::ui
 }
 
 // Follows all references from the root, each once. Iterative: a hostile file may be a chain of a hundred million nodes.
+template <class Node>
 class Walk {
  public:
-  Walk(const Bvh8& bvh, std::uint64_t triangle_count)
+  Walk(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count)
       : bvh_(bvh), triangle_count_(triangle_count), seen_(bvh.nodes.size()), used_(bvh.blocks.size()) {}
 
   Status run() {
@@ -81,7 +84,7 @@ class Walk {
       if (block >= used_.size()) return Error{name + " reaches beyond the last of " + std::to_string(used_.size()) + " blocks"};
       if (used_[block]) return Error{"block " + std::to_string(block) + " belongs to more than one leaf"};
       used_[block] = true, ++blocks_;
-      const Result<std::uint32_t> triangles = triangles_of(bvh_, block, triangle_count_);
+      const Result<std::uint32_t> triangles = triangles_of(bvh_.blocks, block, triangle_count_);
       if (!triangles) return triangles.error();
       references_ += *triangles;
       const bool is_end = counted == 0 && i > kMostCounted && *triangles == 0;
@@ -97,26 +100,26 @@ class Walk {
       return Error{"a child reference names " + name + ", but there are " + std::to_string(seen_.size())};
     if (seen_[inner.ref]) return Error{name + " is the child of more than one node, or the root"};
     seen_[inner.ref] = true, ++nodes_;
-    const Bvh8Node& node = bvh_.nodes[inner.ref];
+    const Node& node = bvh_.nodes[inner.ref];
     if (!is_ordered(node)) return Error{name + " has an order of children that is no permutation"};
     std::uint32_t children = 0;
     for (std::uint32_t c = 0; c < kBvh8Arity; ++c) {
       const std::string child = name + " has a box for child " + std::to_string(c);
       const Aabb box = node.bounds(c);
       if (node.child[c] == kNoNode) {
-        if (!is_unreachable(box)) return Error{child + ", which there is none"};
+        if (!node.is_absent(c)) return Error{child + ", which there is none"};
         continue;
       }
       if (c != children++) return Error{name + " has a gap before child " + std::to_string(c)};
       if (box.empty()) return Error{child + " that is inverted or NaN"};
-      if (!inner.box.contains(box)) return Error{child + " that is not in the node's own"};
+      if (Node::kIsExact && !inner.box.contains(box)) return Error{child + " that is not in the node's own"};
       pending_.push_back({node.child[c], inner.above + 1, box});
     }
     if (children == 0) return Error{name + " has no children"};
     return Done{};
   }
 
-  static bool is_ordered(const Bvh8Node& node) {
+  static bool is_ordered(const Node& node) {
     for (std::uint32_t octant = 0; octant < kBvh8Arity; ++octant) {
       std::uint32_t named = 0;
       for (std::uint32_t i = 0; i < kBvh8Arity; ++i) named |= 1u << node.ordered(i, octant);
@@ -125,14 +128,7 @@ class Walk {
     return true;
   }
 
-  static bool is_unreachable(const Aabb& box) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    for (int a = 0; a < 3; ++a)
-      if (!(box.lo[a] == kInfinity && box.hi[a] == -kInfinity)) return false;
-    return true;
-  }
-
-  const Bvh8& bvh_;
+  const Bvh8Of<Node>& bvh_;
   const std::uint64_t triangle_count_;
   std::vector<bool> seen_, used_;
   std::vector<Pending> pending_;
@@ -142,14 +138,15 @@ class Walk {
 
 }  // namespace
 
-std::uint32_t block_count(const Bvh8& bvh, NodeRef leaf) {
+std::uint32_t block_count(const Buffer<TriangleBlock>& blocks, NodeRef leaf) {
   std::uint32_t count = counted_blocks(leaf);
   if (count == 0)
-    while (bvh.blocks[first_block(leaf) + count].has(0)) ++count;
+    while (blocks[first_block(leaf) + count].has(0)) ++count;
   return count;
 }
 
-Status validate(const Bvh8& bvh, std::uint64_t triangle_count) {
+template <class Node>
+Status validate(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count) {
   if (bvh.nodes.size() >= kLeafBit || bvh.blocks.size() > kMaxBlocks)
     return Error{"more nodes or blocks of triangles than a reference can name"};
   if (bvh.root == kNoNode) {
@@ -157,7 +154,11 @@ Status validate(const Bvh8& bvh, std::uint64_t triangle_count) {
     return Error{"there is no root, but there are nodes or leaves"};
   }
   if (bvh.bounds.empty()) return Error{"the box of the whole tree is inverted or NaN"};
-  return Walk(bvh, triangle_count).run();
+  return Walk<Node>(bvh, triangle_count).run();
 }
+
+template Status validate(const Bvh8&, std::uint64_t);
+template Status validate(const Bvh8Byte&, std::uint64_t);
+template Status validate(const Bvh8Half&, std::uint64_t);
 
 }  // namespace accel

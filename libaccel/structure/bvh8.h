@@ -8,16 +8,21 @@
 // Order. Which child comes first depends on the ray; a node has the answer for each octant of directions, so that traversal
 // sorts nothing: it moves the children into that order and keeps those that are hit (trace/bvh8_ordered.h).
 //
-// Places without a child have an inverted, infinite box, which no ray enters, and come after all others.
+// Places without a child have an inverted box, which no ray enters, and come after all others.
+//
+// Node layouts. A structure has nodes of one layout: planes in single precision (Bvh8Node), or in few bits relative to the node
+// (structure/bvh8_coded.h). What a layout has is what Bvh8Node has: plane(), is_absent(), child, order, and the constants.
 //
 // Invariants: every inner node but the root is the child of exactly one node; every block belongs to exactly one leaf, and
 // leaves follow each other without gaps; depth is the largest number of inner nodes on a path; each octant's order is a
-// permutation; a child's box contains the boxes of that child's children, and the parts of its triangles that the child stands
-// for (a spatial split may give a triangle to several leaves). Builders keep them; validate() proves all but the last for
-// files, which a traversal needs to find its hits but not to be safe.
+// permutation; a child's box contains the boxes of that child's children as they were before they were coded, and the parts of
+// its triangles that the child stands for (a spatial split may give a triangle to several leaves). Builders keep them;
+// validate() proves all but the last, and of coded boxes the last two, which a traversal needs to find its hits but not to be
+// safe.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "libaccel/core/aabb.h"
@@ -39,15 +44,36 @@ ACCEL_HD NodeRef block_ref(std::uint32_t first, std::uint32_t count) {
   return kLeafBit | (count <= kMostCounted ? count : 0u) << kBlockBits | first;
 }
 
+// The child that comes as number i for an octant.
+template <class Node>
+ACCEL_HD std::uint32_t ordered_child(const Node& node, std::uint32_t i, std::uint32_t octant) {
+  return node.order[i] >> 3 * octant & 7u;
+}
+template <class Node>
+ACCEL_HD Aabb child_bounds(const Node& node, std::uint32_t c) {
+  return {{node.plane(0, 0, c), node.plane(1, 0, c), node.plane(2, 0, c)},
+          {node.plane(0, 1, c), node.plane(1, 1, c), node.plane(2, 1, c)}};
+}
+
 struct alignas(64) Bvh8Node {
+  static constexpr const char* kKind = "bvh8";  // of the structure
+  static constexpr bool kIsExact = true;        // boxes are as they were built, so that children's lie in their parents'
+  static constexpr bool kAbsentAreFar = true;   // boxes of absent children are infinite: no need to look whether there is one
+
   float planes[3][2][kBvh8Arity];   // per axis: lower planes of the children, and upper ones
   NodeRef child[kBvh8Arity];        // those there are come first; kNoNode behind them
   std::uint32_t order[kBvh8Arity];  // bits 3 o to 3 o + 2 of word i: the child that comes as number i for octant o
 
-  ACCEL_HD Aabb bounds(std::uint32_t c) const {
-    return {{planes[0][0][c], planes[1][0][c], planes[2][0][c]}, {planes[0][1][c], planes[1][1][c], planes[2][1][c]}};
+  // The lower (0) or upper (1) plane of a child.
+  ACCEL_HD float plane(int axis, std::uint32_t side, std::uint32_t c) const { return planes[axis][side][c]; }
+  ACCEL_HD Aabb bounds(std::uint32_t c) const { return child_bounds(*this, c); }
+  ACCEL_HD std::uint32_t ordered(std::uint32_t i, std::uint32_t octant) const { return ordered_child(*this, i, octant); }
+  ACCEL_HD bool is_absent(std::uint32_t c) const {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    for (int a = 0; a < 3; ++a)
+      if (!(planes[a][0][c] == kInfinity && planes[a][1][c] == -kInfinity)) return false;
+    return true;
   }
-  ACCEL_HD std::uint32_t ordered(std::uint32_t i, std::uint32_t octant) const { return order[i] >> 3 * octant & 7u; }
 
   void set_child(std::uint32_t c, NodeRef ref, const Aabb& box) {
     child[c] = ref;
@@ -56,8 +82,9 @@ struct alignas(64) Bvh8Node {
 };
 static_assert(sizeof(Bvh8Node) == 256 && std::is_trivially_copyable_v<Bvh8Node>);
 
-struct Bvh8View {
-  const Bvh8Node* nodes = nullptr;
+template <class Node>
+struct Bvh8ViewOf {
+  const Node* nodes = nullptr;
   const TriangleBlock* blocks = nullptr;
   NodeRef root = kNoNode;  // kNoNode: an empty scene
   std::uint32_t depth = 0;
@@ -73,12 +100,14 @@ struct Bvh8Words {
 static_assert(sizeof(Bvh8Words) == 40 && std::is_trivially_copyable_v<Bvh8Words>);
 
 // The owning structure.
-struct Bvh8 : Bvh8Words {
-  static constexpr const char* kName = "bvh8";
-  using View = Bvh8View;
+template <class NodeType>
+struct Bvh8Of : Bvh8Words {
+  static constexpr const char* kName = NodeType::kKind;
+  using Node = NodeType;
+  using View = Bvh8ViewOf<Node>;
   using Words = Bvh8Words;
 
-  Buffer<Bvh8Node> nodes;
+  Buffer<Node> nodes;
   Buffer<TriangleBlock> blocks;
 
   template <class Self, class Visit>
@@ -87,13 +116,17 @@ struct Bvh8 : Bvh8Words {
     visit("blocks", self.blocks);
   }
   std::size_t size_bytes() const { return bytes_of_arrays(*this); }
-  Bvh8View view() const { return {nodes.data(), blocks.data(), root, depth}; }
+  View view() const { return {nodes.data(), blocks.data(), root, depth}; }
 };
 
+using Bvh8 = Bvh8Of<Bvh8Node>;
+using Bvh8View = Bvh8::View;
+
 // The blocks of a leaf of a valid tree.
-std::uint32_t block_count(const Bvh8& bvh, NodeRef leaf);
+std::uint32_t block_count(const Buffer<TriangleBlock>& blocks, NodeRef leaf);
 
 // Proves every invariant that traversal relies on, whatever the bytes are.
-Status validate(const Bvh8& bvh, std::uint64_t triangle_count);
+template <class Node>
+Status validate(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count);
 
 }  // namespace accel

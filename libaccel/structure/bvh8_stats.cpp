@@ -3,23 +3,24 @@
 #include <algorithm>
 
 #include "libaccel/structure/bvh2_stats.h"
+#include "libaccel/structure/bvh8_coded.h"
 #include "libaccel/structure/histogram.h"
 
 namespace accel {
 namespace {
 
-std::uint32_t count_triangles(const Bvh8& bvh, NodeRef leaf) {
+std::uint32_t count_triangles(const Buffer<TriangleBlock>& all, NodeRef leaf) {
   std::uint32_t size = 0;
-  const std::uint32_t first = first_block(leaf), blocks = block_count(bvh, leaf);
+  const std::uint32_t first = first_block(leaf), blocks = block_count(all, leaf);
   for (std::uint32_t b = first; b < first + blocks; ++b)
-    for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) size += bvh.blocks[b].has(lane) ? 1 : 0;
+    for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) size += all[b].has(lane) ? 1 : 0;
   return size;
 }
 
-std::uint64_t count_distinct_triangles(const Bvh8& bvh) {
+std::uint64_t count_distinct_triangles(const Buffer<TriangleBlock>& blocks) {
   std::vector<bool> seen;
   std::uint64_t count = 0;
-  for (const TriangleBlock& block : bvh.blocks)
+  for (const TriangleBlock& block : blocks)
     for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane)
       count += is_first(seen, block.prim_id[lane]) ? 1 : 0;
   return count;
@@ -34,7 +35,8 @@ void count_leaf(std::uint32_t size, std::uint32_t depth, Bvh8Stats& stats) {
 
 }  // namespace
 
-Bvh8Stats bvh8_stats(const Bvh8& bvh, float traversal_cost, float intersection_cost) {
+template <class Node>
+Bvh8Stats bvh8_stats(const Bvh8Of<Node>& bvh, float traversal_cost, float intersection_cost) {
   Bvh8Stats stats;
   if (bvh.root == kNoNode) return stats;
 
@@ -51,7 +53,7 @@ Bvh8Stats bvh8_stats(const Bvh8& bvh, float traversal_cost, float intersection_c
     const Visit visit = pending.back();
     pending.pop_back();
     if (is_leaf(visit.ref)) {
-      const std::uint32_t size = count_triangles(bvh, visit.ref), of_leaf = block_count(bvh, visit.ref);
+      const std::uint32_t size = count_triangles(bvh.blocks, visit.ref), of_leaf = block_count(bvh.blocks, visit.ref);
       count_leaf(size, visit.depth, stats);
       squared_size += static_cast<double>(size) * size, blocks += of_leaf;
       cost += visit.area * intersection_cost * of_leaf;
@@ -59,7 +61,7 @@ Bvh8Stats bvh8_stats(const Bvh8& bvh, float traversal_cost, float intersection_c
     }
     cost += visit.area * traversal_cost;
     ++stats.inner_nodes;
-    const Bvh8Node& node = bvh.nodes[visit.ref];
+    const Node& node = bvh.nodes[visit.ref];
     for (std::uint32_t c = 0; c < kBvh8Arity && node.child[c] != kNoNode; ++c, ++children)
       pending.push_back({node.child[c], visit.depth + 1, half_area_in_double(node.bounds(c))});
   }
@@ -68,8 +70,12 @@ Bvh8Stats bvh8_stats(const Bvh8& bvh, float traversal_cost, float intersection_c
   stats.mean_children = stats.inner_nodes > 0 ? children / static_cast<double>(stats.inner_nodes) : 0.0;
   stats.mean_leaf_size = references / leaves, stats.mean_block_size = references / static_cast<double>(blocks);
   stats.leaf_size_variance = std::max(0.0, squared_size / leaves - stats.mean_leaf_size * stats.mean_leaf_size);
-  stats.triangles = count_distinct_triangles(bvh);
+  stats.triangles = count_distinct_triangles(bvh.blocks);
   return stats;
 }
+
+template Bvh8Stats bvh8_stats(const Bvh8&, float, float);
+template Bvh8Stats bvh8_stats(const Bvh8Byte&, float, float);
+template Bvh8Stats bvh8_stats(const Bvh8Half&, float, float);
 
 }  // namespace accel

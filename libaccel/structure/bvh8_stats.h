@@ -27,6 +27,7 @@ struct Bvh8Stats {
 };
 
 // One pass over a valid tree, without recursion. O(n), and a bit for each prim_id.
-Bvh8Stats bvh8_stats(const Bvh8& bvh, float traversal_cost, float intersection_cost);
+template <class Node>
+Bvh8Stats bvh8_stats(const Bvh8Of<Node>& bvh, float traversal_cost, float intersection_cost);
 
 }  // namespace accel

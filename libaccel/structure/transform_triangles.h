@@ -35,8 +35,8 @@ Buffer<LeafQuad> transformed(const Buffer<LeafQuad>& leaves, const Transform& tr
 }
 
 template <class Structure>
-concept HoldsPackedTriangles = std::same_as<decltype(Structure::leaves), Buffer<LeafQuad>> ||
-                               std::same_as<decltype(Structure::leaves), ReferenceLeaves>;
+concept HoldsPackedTriangles =
+    std::same_as<decltype(Structure::leaves), Buffer<LeafQuad>> || std::same_as<decltype(Structure::leaves), ReferenceLeaves>;
 
 // A copy of the structure that shares all other arrays.
 template <HoldsPackedTriangles Structure, class Transform>

@@ -1,4 +1,4 @@
-// Ordered traversal of a Bvh8 with a stack.
+// Ordered traversal of a Bvh8, of any node layout, with a stack.
 //
 // All children's boxes are tested at their parent. Those that the ray enters go onto the stack in the node's order for the
 // octant of the ray's direction, the nearest last, each with its entry distance, so that it can be dropped unread when a nearer
@@ -7,51 +7,51 @@
 // Why an order by octant. Sorting by distance visits fewer nodes, but few; what it costs a CPU is branches that nobody
 // predicts.
 //
-// On CPUs batches with the watertight test are traced by trace/bvh8_simd.h, the same steps with eight boxes or four triangles
-// at once: this is its scalar twin, which names the same hits bit for bit, and what counters, models of machines, multi-hit
-// queries and devices run.
+// On CPUs batches are traced by trace/bvh8_simd.h, the same steps with eight boxes or four triangles at once: this is its
+// scalar twin, which names the same hits bit for bit, and what counters, models of machines, multi-hit queries and devices run.
 #pragma once
 
 #include <span>
 #include <type_traits>
 
-#include "libaccel/geometry/watertight.h"
-#include "libaccel/structure/bvh8.h"
+#include "libaccel/structure/bvh8_coded.h"
 #include "libaccel/trace/bvh8_ray.h"
 #include "libaccel/trace/bvh8_simd.h"
 #include "libaccel/trace/traverser.h"
 
 namespace accel {
 
-// Batches of a method on a CPU: see exec/cpu.h.
-template <class Test, Query kQuery, class TraceSingly>
+// Batches of a method on a CPU: see exec/cpu.h. Layouts and box tests that there is no SIMD code for with the triangle test are
+// traced ray by ray.
+template <class Node, class Slabs, class Test, Query kQuery, class TraceSingly>
 class Bvh8Batch {
  public:
   struct Options {
     std::size_t min_size = 0, block_size = 1024;
   };
   using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
+  static constexpr bool kIsTuned = kHasBvh8Simd<Node, Slabs, Test>;
 
-  Bvh8Batch(const Bvh8View& view, const Options&, const TraceSingly& trace_singly) : view_(view), trace_singly_(trace_singly) {}
+  Bvh8Batch(const Bvh8ViewOf<Node>& view, const Options&, const TraceSingly& trace_singly)
+      : view_(view), trace_singly_(trace_singly) {}
 
   void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
-    if constexpr (!std::is_same_v<Test, Watertight>)
-      for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly_(rays[i]), answers[i]);
-    else if constexpr (kQuery == Query::closest)
-      intersect_bvh8_simd(view_, rays, answers);
+    if constexpr (kIsTuned)
+      trace_bvh8_simd<Node, Slabs, Test>(view_, rays, answers);
     else
-      occlude_bvh8_simd(view_, rays, answers);
+      for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly_(rays[i]), answers[i]);
   }
 
  private:
-  const Bvh8View& view_;
+  const Bvh8ViewOf<Node>& view_;
   const TraceSingly& trace_singly_;
 };
 
-template <class Test, Query kQuery, std::uint32_t kDepth>
+template <class Node, class Slabs, class Test, Query kQuery, std::uint32_t kDepth>
 struct Bvh8OrderedWithin {
   static constexpr const char* kName = "ordered";
-  using View = Bvh8View;
+  static constexpr bool kIsRobust = Slabs::kIsRobust;
+  using View = Bvh8ViewOf<Node>;
   static constexpr std::uint32_t kMaxDepth = kDepth;
 
   struct Postponed {
@@ -62,7 +62,7 @@ struct Bvh8OrderedWithin {
     Postponed entries[bvh8_stack_size(kDepth)];
   };
   struct State {
-    Bvh8Ray boxes;
+    Bvh8Ray<Slabs> boxes;
     typename Test::RayData test;
     NodeRef node;               // while descending
     std::uint32_t block, lane;  // in a leaf: the triangle that comes next
@@ -75,7 +75,7 @@ struct Bvh8OrderedWithin {
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
     begin_hit(ray, hit);
     if (view.root == kNoNode || !is_traceable(ray)) return Phase::done;
-    state.boxes = Bvh8Ray::prepare(ray, first_t(ray));
+    state.boxes = Bvh8Ray<Slabs>::prepare(ray, first_t(ray));
     state.test = Test::prepare(ray);
     state.postponed = 0;
     return enter(state, view.root, observer);
@@ -83,11 +83,11 @@ struct Bvh8OrderedWithin {
 
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
-    const Bvh8Node& node = view.nodes[state.node];
+    const Node& node = view.nodes[state.node];
     observer.node_step();
     observer.load(Memory::node, &node, sizeof node);
     observer.box_tests(kBvh8Arity);
-    const float limit = scaled_end(hit.t);
+    const float limit = scaled_end<Slabs>(hit.t);
     for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
       const std::uint32_t c = node.ordered(i, state.boxes.octant);
       float t_near;
@@ -121,7 +121,7 @@ struct Bvh8OrderedWithin {
     observer.backtrack();
     const Postponed& entry = state.stack->entries[--state.postponed];
     observer.load(Memory::stack, &entry, sizeof entry);
-    return entry.t_near <= scaled_end(hit.t) ? enter(state, entry.node, observer) : Phase::backtrack;
+    return entry.t_near <= scaled_end<Slabs>(hit.t) ? enter(state, entry.node, observer) : Phase::backtrack;
   }
 
  private:
@@ -140,17 +140,36 @@ struct Bvh8OrderedWithin {
 // Trees of this depth have billions of triangles, unless they are degenerate: less memory for each ray of a device.
 inline constexpr std::uint32_t kShallowBvh8 = 24;
 
-template <class Test, Query kQuery>
-struct ShallowBvh8Ordered : Bvh8OrderedWithin<Test, kQuery, kShallowBvh8> {
+template <class Node, class Slabs, class Test, Query kQuery>
+struct ShallowBvh8Ordered : Bvh8OrderedWithin<Node, Slabs, Test, kQuery, kShallowBvh8> {
   static constexpr bool kForDevices = true;
 };
 
-template <class Test, Query kQuery>
-struct Bvh8Ordered : Bvh8OrderedWithin<Test, kQuery, kMostBvh8Depth> {
-  using Specialisations = TypeList<ShallowBvh8Ordered<Test, kQuery>>;
+template <class Node, class Slabs, class Test, Query kQuery>
+struct Bvh8OrderedWith : Bvh8OrderedWithin<Node, Slabs, Test, kQuery, kMostBvh8Depth> {
+  using Specialisations = TypeList<ShallowBvh8Ordered<Node, Slabs, Test, kQuery>>;
 
   template <class TraceSingly>
-  using Batch = Bvh8Batch<Test, kQuery, TraceSingly>;
+  using Batch = Bvh8Batch<Node, Slabs, Test, kQuery, TraceSingly>;
 };
+
+template <class Test, Query kQuery>
+struct Bvh8Ordered : Bvh8OrderedWith<Bvh8Node, PaddedSlabs, Test, kQuery> {};
+
+// With box tests that are known to lose hits, to be compared.
+template <class Test, Query kQuery>
+struct Bvh8OrderedNaive : Bvh8OrderedWith<Bvh8Node, NaiveSlabs, Test, kQuery> {
+  static constexpr const char* kName = "ordered-naive";
+};
+template <class Test, Query kQuery>
+struct Bvh8OrderedFused : Bvh8OrderedWith<Bvh8Node, FusedSlabs, Test, kQuery> {
+  static constexpr const char* kName = "ordered-fma";
+};
+
+// Over coded boxes.
+template <class Test, Query kQuery>
+struct Bvh8ByteOrdered : Bvh8OrderedWith<ByteBvh8Node, PaddedSlabs, Test, kQuery> {};
+template <class Test, Query kQuery>
+struct Bvh8HalfOrdered : Bvh8OrderedWith<HalfBvh8Node, PaddedSlabs, Test, kQuery> {};
 
 }  // namespace accel

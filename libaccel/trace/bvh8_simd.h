@@ -1,6 +1,8 @@
-// Ordered traversal of a Bvh8 by single rays with the watertight test, eight boxes or four triangles in SIMD lanes: the twin of
-// trace/bvh8_ordered.h, the same steps with the same operations, hence the same hits bit for bit. Compiled for every target of
-// the machine's family, by Highway; the best that the machine has runs.
+// Ordered traversal of a Bvh8 by single rays, eight boxes or four triangles in SIMD lanes: the twin of trace/bvh8_ordered.h,
+// the same steps with the same operations, hence the same hits bit for bit. Compiled for every target of the machine's family,
+// by Highway; the best that the machine has runs.
+//
+// Fused operations (FusedSlabs, WoopKahan) are those of the target: targets older than AVX2 have none, and round twice.
 //
 // The exact distances of a block's candidates are found in lanes, too. Left to the scalar test are triangles that rounding
 // makes hard: those that the ray meets in an edge, and those seen edge-on.
@@ -11,12 +13,18 @@
 // tenth faster there.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "libaccel/core/hit.h"
 #include "libaccel/core/ray.h"
-#include "libaccel/structure/bvh8.h"
+#include "libaccel/geometry/moeller_trumbore.h"
+#include "libaccel/geometry/pluecker.h"
+#include "libaccel/geometry/watertight.h"
+#include "libaccel/geometry/woop.h"
+#include "libaccel/structure/bvh8_coded.h"
+#include "libaccel/trace/slabs.h"
 
 namespace accel {
 
@@ -25,9 +33,72 @@ namespace accel {
 inline constexpr std::uint32_t kMostBvh8Depth = 128;
 constexpr std::uint32_t bvh8_stack_size(std::uint32_t depth) { return (kBvh8Arity - 1) * depth + 1 + kBvh8Arity; }
 
+// Closest-hit and any-hit queries; `predict`: see above.
+template <class Node>
+struct Bvh8Functions {
+  void (*closest)(const Bvh8ViewOf<Node>&, const Ray*, std::size_t count, bool predict, Hit*);
+  void (*occluded)(const Bvh8ViewOf<Node>&, const Ray*, std::size_t count, bool predict, std::uint8_t*);
+};
+
+// The functions for the best target that the machine has. A source each for the other box tests (bvh8_simd_slabs.cpp), node
+// layouts (bvh8_simd_coded.cpp) and triangle tests (bvh8_simd_tests.cpp), each with all else as by default.
+template <class Node, class Slabs, class Test>
+struct Bvh8Simd;
+
+template <>
+struct Bvh8Simd<Bvh8Node, PaddedSlabs, Watertight> {
+  static Bvh8Functions<Bvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<Bvh8Node, NaiveSlabs, Watertight> {
+  static Bvh8Functions<Bvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<Bvh8Node, FusedSlabs, Watertight> {
+  static Bvh8Functions<Bvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<ByteBvh8Node, PaddedSlabs, Watertight> {
+  static Bvh8Functions<ByteBvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<HalfBvh8Node, PaddedSlabs, Watertight> {
+  static Bvh8Functions<HalfBvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<Bvh8Node, PaddedSlabs, MoellerTrumbore> {
+  static Bvh8Functions<Bvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<Bvh8Node, PaddedSlabs, Woop> {
+  static Bvh8Functions<Bvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<Bvh8Node, PaddedSlabs, WoopKahan> {
+  static Bvh8Functions<Bvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<Bvh8Node, PaddedSlabs, Pluecker> {
+  static Bvh8Functions<Bvh8Node> functions();
+};
+
+template <class Node, class Slabs, class Test>
+inline constexpr bool kHasBvh8Simd = requires {
+  Bvh8Simd<Node, Slabs, Test>::functions();
+};
+
+// Whether most rays run nearly as the one before, in a sample of some dozens.
+bool are_alike(std::span<const Ray> rays);
+
 // The tree is no deeper than kMostBvh8Depth. answers[i] is that of rays[i].
-void intersect_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<Hit> hits);
-void occlude_bvh8_simd(const Bvh8View& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded);
+template <class Node, class Slabs, class Test>
+void trace_bvh8_simd(const Bvh8ViewOf<Node>& view, std::span<const Ray> rays, std::span<Hit> hits) {
+  Bvh8Simd<Node, Slabs, Test>::functions().closest(view, rays.data(), rays.size(), are_alike(rays), hits.data());
+}
+template <class Node, class Slabs, class Test>
+void trace_bvh8_simd(const Bvh8ViewOf<Node>& view, std::span<const Ray> rays, std::span<std::uint8_t> occluded) {
+  Bvh8Simd<Node, Slabs, Test>::functions().occluded(view, rays.data(), rays.size(), are_alike(rays), occluded.data());
+}
 
 // The name of the target that runs: "AVX3" and so on.
 const char* bvh8_simd_target();

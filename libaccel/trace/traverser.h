@@ -10,6 +10,7 @@
 //     static constexpr std::uint32_t kMaxDepth = ...;  // optional: the deepest tree that the state has room for
 //     static constexpr SkippedFeature kSkips = ...;    // optional: what users may expect of it, and why it does without
 //     static constexpr bool kIsExhaustive = true;      // optional: every ray tests every triangle
+//     static constexpr bool kIsRobust = false;         // optional: it is known to lose hits, whatever the triangle test
 //     template <class Observer> ACCEL_HD static Phase begin    (const View&, const Ray&, State&, Hit&, Observer&);
 //     template <class Observer> ACCEL_HD static Phase descend  (const View&, const Ray&, State&, Hit&, Observer&);
 //     template <class Observer> ACCEL_HD static Phase intersect(const View&, const Ray&, State&, Hit&, Observer&);

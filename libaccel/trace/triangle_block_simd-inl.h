@@ -190,6 +190,20 @@ HWY_INLINE bool intersect_block(const TriangleBlock& block, const Ray& ray, cons
   return accept_candidates<kQuery>(block, ray, data, t_min, candidates, on_edge, located, hit);
 }
 
+// A triangle test as traversal uses it: of the rays that are traced, and of a block.
+template <class Test>
+struct BlockTest;
+
+template <>
+struct BlockTest<Watertight> {
+  static HWY_INLINE Watertight::RayData prepare(const Ray& ray) { return prepare_watertight(ray); }
+  template <Query kQuery>
+  static HWY_INLINE bool intersect(const TriangleBlock& block, const Ray& ray, const Watertight::RayData& data, float t_min,
+                                   Hit& hit) {
+    return intersect_block<kQuery>(block, ray, data, t_min, hit);
+  }
+};
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace accel

@@ -153,10 +153,13 @@ class Comparison {
     errors.samples = t_ulp.size();
     if (t_ulp.empty()) return;
     errors.t_ulp_mean /= static_cast<double>(t_ulp.size());
-    // The nearest-rank percentile: the smallest value that 99 % of the samples do not exceed.
-    const std::size_t rank = (99 * t_ulp.size() + 99) / 100 - 1;
-    std::nth_element(t_ulp.begin(), t_ulp.begin() + static_cast<std::ptrdiff_t>(rank), t_ulp.end());
-    errors.t_ulp_p99 = t_ulp[rank];
+    // Nearest-rank percentiles: the smallest value that so many of a hundred samples do not exceed.
+    const auto percentile = [&](std::size_t percent) {
+      const std::size_t rank = (percent * t_ulp.size() + 99) / 100 - 1;
+      std::nth_element(t_ulp.begin(), t_ulp.begin() + static_cast<std::ptrdiff_t>(rank), t_ulp.end());
+      return t_ulp[rank];
+    };
+    errors.t_ulp_p50 = percentile(50), errors.t_ulp_p99 = percentile(99);
   }
 
   const Answers& answers_;

@@ -44,15 +44,15 @@ struct Adjudication {
   std::uint64_t both_right = 0, only_ours_right = 0, only_witness_right = 0, both_wrong = 0;
 };
 
-// How far our hits with verdict `right` are from the exact ones. The mean and the 99th percentile are of the seeded sample, the
+// How far our hits with verdict `right` are from the exact ones. The mean and the percentiles are of the seeded sample, the
 // maxima of all judged rays.
 //
 // A unit in the last place is the spacing of floats at t*, or the change of t when the largest coordinate of the origin moves
 // by the spacing of floats there, whichever is larger. Without the second, a ray that starts on a surface (t* near 0) would
 // count errors that no arithmetic on its origin can avoid in units of nearly nothing, and such rays alone would make the mean.
 struct HitErrors {
-  std::uint64_t samples = 0;  // behind the mean and the percentile
-  double t_ulp_mean = 0, t_ulp_p99 = 0, t_ulp_max = 0;
+  std::uint64_t samples = 0;  // behind the mean and the percentiles
+  double t_ulp_mean = 0, t_ulp_p50 = 0, t_ulp_p99 = 0, t_ulp_max = 0;
   double barycentric_max = 0;  // of |u - u*| and |v - v*|
 };
 

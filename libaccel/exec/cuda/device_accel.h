@@ -54,7 +54,7 @@ constexpr const char* policy_name(LaunchPolicy policy) {
 
 struct DeviceTraceOptions {
   LaunchPolicy policy = LaunchPolicy::persistent;
-  std::string_view test;  // a name of triangle_tests(); empty: the first
+  std::string_view test;  // a name of modelled_tests(); empty: the first
   int warm_up = 0;        // launches before the timed ones
   int repeat = 1;         // timed launches, at least one
 

@@ -114,7 +114,7 @@ void expect_cpu_hits(const AnyAccel& accel, std::span<const Ray> rays, const std
 
 TEST_P(MultipassMethod, HitsAreTheCpusWithAllOptions) {
   const AnyAccel accel = build();
-  for (const std::string& test : triangle_tests()) {
+  for (const std::string& test : modelled_tests()) {
     SCOPED_TRACE(test);
     expect_cpu_hits(accel, rays(), test);
   }

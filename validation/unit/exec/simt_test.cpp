@@ -185,7 +185,7 @@ TEST(Simt, HitsAreTheCpusInEveryScheduleAndMethod) {
   for (const MethodInfo& method : methods()) {
     const auto accel = AnyAccel::build(soup().mesh, method.name);
     ASSERT_TRUE(accel) << accel.message();
-    for (const std::string& test : triangle_tests()) expect_cpu_hits_of(*accel, rays, test);
+    for (const std::string& test : modelled_tests()) expect_cpu_hits_of(*accel, rays, test);
   }
 }
 

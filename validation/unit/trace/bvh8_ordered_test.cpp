@@ -85,7 +85,7 @@ TEST(Bvh8Ordered, TheStackHoldsTheDeepestTree) {
   ASSERT_TRUE(valid) << valid.message();
   const std::vector<Ray> rays{{{0, 0, 0}, 0, {0, 0, 1}}, {{0.5f, 0.5f, 2000}, 0, {0, 0, -1}}, {{9, 9, 0}, 0, {0, 0, 1}}};
   std::vector<Hit> hits(3);
-  intersect_bvh8_simd(bvh.view(), rays, hits);
+  trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(bvh.view(), rays, hits);
   NullObserver observer;
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(trace_ray<Closest>(bvh.view(), rays[i], observer).prim_id, hits[i].prim_id);
   EXPECT_EQ(hits[0].prim_id, 0u);
@@ -93,7 +93,7 @@ TEST(Bvh8Ordered, TheStackHoldsTheDeepestTree) {
   EXPECT_FALSE(hits[2].valid());
 }
 
-// Batches of any size and any number of threads, and the triangle test that has no SIMD.
+// Batches of any size and any number of threads, and another triangle test.
 TEST(Bvh8Ordered, Batches) {
   const Bvh8 bvh = WideSbvh::build(test::soup(500, 0.3f), {})->structure;
   const std::vector<Ray> rays = random_rays(3000);

@@ -21,7 +21,7 @@ Bvh8Node node_of(const Aabb& box) {
 
 bool enters(const Ray& ray, const Aabb& box, float t_max = kMax) {
   float t_near;
-  return Bvh8Ray::prepare(ray, ray.t_min).enters(node_of(box), 3, scaled_end(t_max), t_near);
+  return Bvh8Ray<>::prepare(ray, ray.t_min).enters(node_of(box), 3, scaled_end<>(t_max), t_near);
 }
 
 const Aabb kUnit{{0, 0, 0}, {1, 1, 1}};
@@ -32,7 +32,7 @@ TEST(Bvh8Ray, EntersWhatItMeets) {
   EXPECT_FALSE(enters({{-1, 0.5f, 0.5f}, 0, {-1, 0, 0}}, kUnit));
   EXPECT_TRUE(enters({{0.5f, 0.5f, 0.5f}, 0, {-1, 2, 0.1f}}, kUnit));
   float t_near = 0;
-  EXPECT_TRUE(Bvh8Ray::prepare({{-1, -2, -3}, 0, {1, 1, 1}}, 0).enters(node_of({{0, 0, 0}, {5, 5, 5}}), 0, kMax, t_near));
+  EXPECT_TRUE(Bvh8Ray<>::prepare({{-1, -2, -3}, 0, {1, 1, 1}}, 0).enters(node_of({{0, 0, 0}, {5, 5, 5}}), 0, kMax, t_near));
   EXPECT_EQ(t_near, 3.0f);
 }
 

@@ -1,4 +1,4 @@
-// SIMD against its scalar twin, on every target that the machine has.
+// SIMD against its scalar twin, on every target that the machine has: for every node layout, box test and triangle test.
 #include "libaccel/trace/bvh8_simd.h"
 
 #include <gtest/gtest.h>
@@ -7,9 +7,11 @@
 #include <bit>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "libaccel/build/code_bvh8.h"
 #include "libaccel/build/collapse_wide.h"
 #include "libaccel/build/wide_sbvh.h"
 #include "libaccel/exec/drive.h"
@@ -41,27 +43,32 @@ bool same(const Hit& a, const Hit& b) {
          std::bit_cast<std::uint32_t>(a.v) == std::bit_cast<std::uint32_t>(b.v);
 }
 
+// Targets without fused operations round twice.
+bool has_fused_operations() { return std::set<std::string>{"AVX2", "AVX3", "AVX3_DL"}.count(bvh8_simd_target()) != 0; }
+
 // Returns how many rays hit something.
-std::size_t expect_same_as_scalar(const std::string& name, const Bvh8& bvh, const std::vector<Ray>& rays) {
+template <class Slabs, class Test, class Node>
+std::size_t expect_same_as_scalar(const std::string& name, const Bvh8Of<Node>& bvh, const std::vector<Ray>& rays) {
   std::vector<Hit> expected;
   std::vector<std::uint8_t> blocked;
   std::size_t valid = 0;
   NullObserver observer;
   for (const Ray& ray : rays) {
-    expected.push_back(trace_ray<Bvh8Ordered<Watertight, Query::closest>>(bvh.view(), ray, observer));
-    const Hit any = trace_ray<Bvh8Ordered<Watertight, Query::any>>(bvh.view(), ray, observer);
+    expected.push_back(trace_ray<Bvh8OrderedWith<Node, Slabs, Test, Query::closest>>(bvh.view(), ray, observer));
+    const Hit any = trace_ray<Bvh8OrderedWith<Node, Slabs, Test, Query::any>>(bvh.view(), ray, observer);
     blocked.push_back(any.valid() ? 1 : 0);
     valid += expected.back().valid();
   }
   on_every_target([&] {
+    if ((Slabs::kIsFused || std::is_same_v<Test, WoopKahan>)&&!has_fused_operations()) return;
     std::vector<Hit> hits(rays.size(), Hit{1, 2, 3, 4});
     std::vector<std::uint8_t> occluded(rays.size(), 7);
-    intersect_bvh8_simd(bvh.view(), rays, hits);
-    occlude_bvh8_simd(bvh.view(), rays, occluded);
+    trace_bvh8_simd<Node, Slabs, Test>(bvh.view(), rays, hits);
+    trace_bvh8_simd<Node, Slabs, Test>(bvh.view(), rays, occluded);
     std::size_t different = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) different += same(hits[i], expected[i]) ? 0 : 1;
-    EXPECT_EQ(different, 0u) << name << bvh8_simd_target();
-    EXPECT_EQ(occluded, blocked) << name << bvh8_simd_target();
+    EXPECT_EQ(different, 0u) << name << ' ' << bvh8_simd_target();
+    EXPECT_EQ(occluded, blocked) << name << ' ' << bvh8_simd_target();
   });
   return valid;
 }
@@ -75,14 +82,37 @@ std::vector<Ray> rays_for(const TriangleMesh& mesh) {
   return rays;
 }
 
-TEST(Bvh8Simd, HitsAreThoseOfTheScalarTwin) {
+// On scenes that hurt. `layout` makes the structure from the one with exact boxes.
+template <class Slabs, class Test, class Layout>
+void expect_same_on_all_scenes(const Layout& layout) {
   std::size_t valid = 0;
   for (const auto& [name, mesh] : validation::stress_scenes()) {
     const auto built = WideSbvh::build(mesh, {});
     ASSERT_TRUE(built) << built.message();
-    valid += expect_same_as_scalar(name, built->structure, rays_for(mesh));
+    valid += expect_same_as_scalar<Slabs, Test>(name, layout(built->structure), rays_for(mesh));
   }
   EXPECT_GT(valid, 1000u);
+}
+
+const auto kExact = [](const Bvh8& bvh) { return bvh; };
+
+TEST(Bvh8Simd, HitsAreThoseOfTheScalarTwin) { expect_same_on_all_scenes<PaddedSlabs, Watertight>(kExact); }
+
+TEST(Bvh8Simd, WithOtherBoxTests) {
+  expect_same_on_all_scenes<NaiveSlabs, Watertight>(kExact);
+  expect_same_on_all_scenes<FusedSlabs, Watertight>(kExact);
+}
+
+TEST(Bvh8Simd, OverCodedBoxes) {
+  expect_same_on_all_scenes<PaddedSlabs, Watertight>([](const Bvh8& bvh) { return code_bvh8<ByteBvh8Node>(bvh); });
+  expect_same_on_all_scenes<PaddedSlabs, Watertight>([](const Bvh8& bvh) { return code_bvh8<HalfBvh8Node>(bvh); });
+}
+
+TEST(Bvh8Simd, WithOtherTriangleTests) {
+  expect_same_on_all_scenes<PaddedSlabs, MoellerTrumbore>(kExact);
+  expect_same_on_all_scenes<PaddedSlabs, Woop>(kExact);
+  expect_same_on_all_scenes<PaddedSlabs, WoopKahan>(kExact);
+  expect_same_on_all_scenes<PaddedSlabs, Pluecker>(kExact);
 }
 
 // Trees with long leaves, and with many levels.
@@ -92,7 +122,8 @@ TEST(Bvh8Simd, OfTreesThatNoHeuristicWouldBuild) {
     for (const std::uint32_t leaf_size : {1u, 100u}) {
       const Bvh2 binary = validation::random_bvh2(mesh, 5, {.shape = shape, .leaf_size = leaf_size, .max_depth = 120});
       const Bvh8 bvh = *collapse_wide(binary, {.max_leaf_size = static_cast<int>(leaf_size)});
-      EXPECT_GT(expect_same_as_scalar("", bvh, rays_for(mesh)), 100u);
+      const auto found = expect_same_as_scalar<PaddedSlabs, Watertight>("", bvh, rays_for(mesh));
+      EXPECT_GT(found, 100u);
     }
 }
 
