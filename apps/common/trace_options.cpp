@@ -166,6 +166,7 @@ void add_outputs(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
     app.add_option(flag, path, what)->type_name("FILE")->group("Output");
   };
   add("--json", settings.json, "in Google Benchmark's shape; - is standard output, instead of tables");
+  add("--report", settings.report, "one page with plots, tables and pictures, which opens offline (.html)");
   add("--image", settings.image, "the view, shaded by normal (.png, .exr, .jpg, .tif)");
   add("--heatmap", settings.heatmap, "cost of each ray of the first method and kind, with a legend");
   app.add_option("--heatmap-of", raw.heatmap_of, "its counter: " + join(ray_counters(), ", "))
@@ -331,7 +332,9 @@ Finished check_consistency(const TraceSettings& settings) {
   for (const auto& [flag, path] : {std::pair{"--rays-out", &settings.rays_out}, {"--hits-out", &settings.hits_out}})
     if (!path->empty() && !is_npy(*path)) return usage(std::string(flag) + ": '" + *path + "' should end in .npy");
   if (settings.hits > 0 && settings.hits_out.empty()) return usage("--hits: needs --hits-out, a file for them");
-  return check_writable({settings.json, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
+  if (settings.json == "-" && settings.report == "-") return usage("--json, --report: only one of them can be standard output");
+  return check_writable(
+      {settings.json, settings.report, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
 }
 
 // A structure file is built already: options of builders would do nothing.
