@@ -145,6 +145,23 @@ HtmlCell ReportData::wrong_cell(const ReportRow& row) const {
   return shown;
 }
 
+HtmlCell ReportData::witness_wrong_cell(const ReportRow& row) {
+  HtmlCell cell{"", HtmlCell::Kind::number};
+  const auto wrong = witness_wrong(row);
+  if (!wrong) return cell;
+  cell.text = wrong->rate > 0 ? short_number(wrong->rate) : "< " + short_number(wrong->bound);
+  if (wrong->rate > 0) cell.style = "bad";
+  return cell;
+}
+
+HtmlCell ReportData::failures_cell(const std::string& pointer) const {
+  HtmlCell shown = cell(pointer, count_text);
+  if (number(pointer).value_or(0) > 0) shown.style = "bad";
+  return shown;
+}
+
+std::string rays_of_kind(const std::string& kind) { return kind.ends_with(".npy") ? kind : kind + " rays"; }
+
 HtmlCell words(std::string text) { return {std::move(text), HtmlCell::Kind::words}; }
 
 HtmlCell row_head(std::string text) { return {std::move(text), HtmlCell::Kind::row_head}; }

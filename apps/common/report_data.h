@@ -71,6 +71,9 @@ class ReportData {
   HtmlCell ns_cell(const ReportRow& row) const;
   // A rate per million, or where it is 0 its bound: "< 61.0".
   HtmlCell wrong_cell(const ReportRow& row) const;
+  static HtmlCell witness_wrong_cell(const ReportRow& row);
+  // A count that should be 0.
+  HtmlCell failures_cell(const std::string& pointer) const;
 
  private:
   ReportRow row_of(std::size_t index) const;
@@ -80,6 +83,9 @@ class ReportData {
   std::vector<ReportRow> rows_, sorts_;
   bool have_tests_ = false;
 };
+
+// "primary rays", or a file's name.
+std::string rays_of_kind(const std::string& kind);
 
 HtmlCell words(std::string text);
 HtmlCell row_head(std::string text);

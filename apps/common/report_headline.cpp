@@ -14,7 +14,7 @@ std::string number_text(const ReportData& data, const std::string& pointer, Repo
 
 std::string bold(const std::string& text) { return "<b>" + html_escaped(text) + "</b>"; }
 
-std::string rays_of(const std::string& kind) { return html_escaped(kind.ends_with(".npy") ? kind : kind + " rays"); }
+std::string rays_of(const std::string& kind) { return html_escaped(rays_of_kind(kind)); }
 
 // "bvh8/ordered is the fastest of 18 methods without a wrong hit".
 std::string fastest_text(const ReportData& data, const ReportRow& best) {
@@ -41,7 +41,7 @@ std::string speed_text(const ReportData& data, const ReportRow& best) {
 
 std::string wrong_text(double rate, double bound) {
   return rate > 0 ? short_number(rate) + " in a million are wrong"
-                  : "none is wrong (below " + short_number(bound) + " in a million with 95 % confidence)";
+                  : "none is wrong (below " + short_number(bound) + " in a million with 95 % confidence)";
 }
 
 std::string errors_text(const ReportRow& best) {
@@ -51,6 +51,20 @@ std::string errors_text(const ReportRow& best) {
     text += "; of Embree's, in its robust mode, " +
             (witness->rate > 0 || *best.wrong > 0 ? wrong_text(witness->rate, witness->bound) : std::string("none either"));
   return text + ".";
+}
+
+// The kind of rays on which the witness errs most, if that is not the first one.
+std::string witness_text(const ReportData& data) {
+  const ReportRow* worst = nullptr;
+  double most = 0;
+  for (std::size_t k = 1; k < data.kinds().size(); ++k)
+    if (const ReportRow* const best = data.fastest_clean(data.kinds()[k]))
+      if (const auto witness = ReportData::witness_wrong(*best); witness && witness->rate > most)
+        most = witness->rate, worst = best;
+  if (worst == nullptr) return "";
+  return " On " + rays_of(worst->rays_kind) + " Embree's robust mode has " + short_number(most) +
+         " wrong hits in a million, and " + bold(worst->label) + " has none (below " + short_number(worst->bound.value_or(0)) +
+         ").";
 }
 
 std::string fact(const std::string& name, const std::string& value) {
@@ -122,7 +136,7 @@ std::string finding_html(const ReportData& data) {
   if (best == nullptr)
     return "<p class=\"finding\">No method is without wrong hits on " + rays_of(data.kinds().front()) + ".</p>\n";
   return "<p class=\"finding\">On " + rays_of(best->rays_kind) + ", " + fastest_text(data, *best) + speed_text(data, *best) +
-         "." + errors_text(*best) + "</p>\n";
+         "." + errors_text(*best) + witness_text(data) + "</p>\n";
 }
 
 std::string facts_html(const ReportData& data) {

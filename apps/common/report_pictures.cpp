@@ -58,7 +58,7 @@ Outcome<std::string> scale_html(double top, const std::string& unit) {
   for (double tick = 1; tick <= top; tick *= factor)
     ticks += print("<span style=\"left:%.1f%%\">%g</span>", 100 * std::log2(1 + tick) / std::log2(1 + top), tick);
   return "<div class=\"scale\">" + image(*png, "Colours from 0 to " + short_number(top) + " " + unit, {kWidth, 1}) +
-         "<div class=\"ticks\" aria-hidden=\"true\">" + ticks + "</div>" + html_escaped(unit) + "</div>\n";
+         "<div class=\"ticks\" aria-hidden=\"true\">" + ticks + "</div></div>\n";
 }
 
 std::string color_text(Vec3 color) {
@@ -87,54 +87,76 @@ ClassPicture in_page_colors(ClassPicture picture) {
   return picture;
 }
 
-std::string verdicts_alt(const MethodPictures& pictures) {
-  std::vector<std::string> parts;
-  for (const ClassPicture::Class& c : pictures.verdicts->classes)
-    if (c.rays > 0) parts.push_back(c.name + " " + with_commas(c.rays));
-  return "Verdicts of " + pictures.method + ": " + join(parts, ", ");
+std::string item_html(const std::string& name, const std::string& number, const std::string& png, const std::string& alt,
+                      PictureSize size) {
+  return "<li>" + image(png, alt, size) + "<div class=\"name\"><span>" + html_escaped(name) + "</span><span>" +
+         html_escaped(number) + "</span></div></li>\n";
 }
 
-Outcome<std::string> item_html(const MethodPictures& pictures, double top) {
-  const auto steps = heat_png(pictures.steps, top);
-  if (!steps) return steps.failure();
-  const std::string average = short_number(mean(pictures.steps));
-  std::string html =
-      "<li>" + image(*steps, "Steps of " + pictures.method + " by pixel, " + average + " on average", pictures.steps.size);
-  if (pictures.verdicts) {
-    const auto verdicts = class_png(in_page_colors(*pictures.verdicts));
-    if (!verdicts) return verdicts.failure();
-    html += image(*verdicts, verdicts_alt(pictures), pictures.verdicts->size);
-  }
-  return html + "<div class=\"name\"><span>" + html_escaped(pictures.method) + "</span><span>" + average +
-         "</span></div></li>\n";
-}
-
-Outcome<std::string> items_html(std::span<const MethodPictures> pictures, double top) {
-  std::string html;
+Outcome<std::string> steps_html(std::span<const MethodPictures> pictures) {
+  double top = 1;
+  for (const MethodPictures& p : pictures) top = std::max(top, high_value(p.steps));
+  const std::string unit = pictures.front().steps.unit;
+  const auto scale = scale_html(top, unit);
+  if (!scale) return scale.failure();
+  std::string items;
   for (const MethodPictures& p : pictures) {
-    const auto item = item_html(p, top);
-    if (!item) return item.failure();
-    html += *item;
+    const auto png = heat_png(p.steps, top);
+    if (!png) return png.failure();
+    const std::string average = short_number(mean(p.steps));
+    items += item_html(p.method, average, *png, "Steps of " + p.method + " by pixel, " + average + " on average", p.steps.size);
   }
-  return html;
+  return "<h3>By pixel: " + html_escaped(unit) + "</h3>\n<p class=\"note\">" + html_escaped(pictures.front().rays_kind) +
+         " rays, on one logarithmic scale for all methods; numbers are means.</p>\n" + *scale + "<ul class=\"pictures\">\n" +
+         items + "</ul>\n";
+}
+
+std::string verdicts_alt(const ClassPicture& picture) {
+  std::vector<std::string> parts;
+  for (const ClassPicture::Class& c : picture.classes)
+    if (c.rays > 0) parts.push_back(c.name + " " + with_commas(c.rays));
+  return "Verdicts by pixel: " + join(parts, ", ");
+}
+
+// The methods that have the map of the one at a place; none if it stands beside an earlier one.
+std::vector<std::string> methods_with_map(std::span<const MethodPictures> pictures, std::size_t at) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    if (!pictures[at].verdicts || !pictures[i].verdicts || pictures[i].verdicts->values != pictures[at].verdicts->values)
+      continue;
+    if (i < at) return {};
+    names.push_back(pictures[i].method);
+  }
+  return names;
+}
+
+Outcome<std::string> verdicts_html(std::span<const MethodPictures> pictures) {
+  std::string items;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const std::vector<std::string> names = methods_with_map(pictures, i);
+    if (names.empty()) continue;
+    const ClassPicture& map = *pictures[i].verdicts;
+    const auto png = class_png(in_page_colors(map));
+    if (!png) return png.failure();
+    const std::string count = names.size() > 3 ? std::to_string(names.size()) + " methods: " : "";
+    items += item_html(count + join(names, ", "), "", *png, verdicts_alt(map), map.size);
+  }
+  if (items.empty()) return items;
+  return "<h3>By pixel: verdicts</h3>\n<p class=\"note\">The gravest among the rays of a pixel; methods with the same map "
+         "share "
+         "it. "
+         "Pixels that stand out as <i>right</i> are the judged sample.</p>\n" +
+         classes_html(pictures) + "<ul class=\"pictures\">\n" + items + "</ul>\n";
 }
 
 }  // namespace
 
 std::string pictures_html(std::span<const MethodPictures> pictures) {
   if (pictures.empty()) return "";
-  double top = 1;
-  for (const MethodPictures& p : pictures) top = std::max(top, high_value(p.steps));
-  const std::string unit = pictures.front().steps.unit;
-  const auto scale = scale_html(top, unit);
-  const auto items = scale ? items_html(pictures, top) : scale;
-  if (!items) return "<p class=\"note\">Pictures were left out: " + html_escaped(items.failure().message) + ".</p>\n";
-  const bool has_verdicts =
-      std::any_of(pictures.begin(), pictures.end(), [](const MethodPictures& p) { return p.verdicts.has_value(); });
-  return "<p class=\"note\">" + html_escaped(unit) + " by pixel, " + html_escaped(pictures.front().rays_kind) +
-         " rays, on one logarithmic scale for all methods; the number is the mean." +
-         (has_verdicts ? " Below each, the gravest verdict among the rays of a pixel." : "") + "</p>\n" + *scale +
-         (has_verdicts ? classes_html(pictures) : "") + "<ul class=\"pictures\">\n" + *items + "</ul>\n";
+  const auto steps = steps_html(pictures);
+  const auto verdicts = steps ? verdicts_html(pictures) : steps;
+  if (!verdicts) return "<p class=\"note\">Pictures were left out: " + html_escaped(verdicts.failure().message) + ".</p>\n";
+  return *steps + *verdicts;
 }
 
 }  // namespace accel::apps
