@@ -10,7 +10,10 @@ namespace {
 std::string class_attribute(const std::string& style) { return style.empty() ? "" : " class=\"" + style + "\""; }
 
 std::string cell_html(const HtmlCell& cell) {
-  if (cell.kind == HtmlCell::Kind::row_head) return "<th scope=\"row\">" + html_escaped(cell.text) + "</th>";
+  constexpr std::size_t kLong = 40;  // characters that are broken into lines
+  if (cell.kind == HtmlCell::Kind::row_head)
+    return std::string("<th scope=\"row\"") + (cell.text.size() > kLong ? " class=\"long\">" : ">") + html_escaped(cell.text) +
+           "</th>";
   const std::string style =
       cell.kind == HtmlCell::Kind::words ? "words" + (cell.style.empty() ? "" : " " + cell.style) : cell.style;
   return "<td" + class_attribute(style) + cell.attributes + ">" + html_escaped(cell.text) + "</td>";
