@@ -37,6 +37,7 @@
     return vegaEmbed(place, fitted(spec, place.clientWidth), {
       renderer: "svg", actions: { export: true, source: true, compiled: false, editor: false },
       downloadFileName: figure.id,
+      logLevel: vega.Error,  // a panel may lack marks of a kind, such as errors: Vega warns of that
     }).then(() => figure.classList.add("drawn"));
   };
 

@@ -125,7 +125,7 @@ def check_drawing(dom, page, run):
     check(len(points) == len(ours) > 0, "%d marks for %d rows" % (len(points), len(ours)))
     for (method, ns), (expected_method, expected) in zip(sorted(points), ours):
         check(method == expected_method and is_near(ns, expected), "%s at %g ns was drawn for %s at %g" % (method, ns, expected_method, expected))
-    bars = sorted(number(m["million rays a second"]) for m in marks("bar") if "million rays a second" in m)
+    bars = sorted(number(m["mrays"]) for m in marks("bar") if "mrays" in m)
     check(len(bars) == len(rows_of(run)), "%d bars for %d rows" % (len(bars), len(rows_of(run))))
     for bar, expected in zip(bars, sorted(row["mrays_per_second"] for row in rows_of(run))):
         check(is_near(bar, expected), "a bar of %g was drawn for %g" % (bar, expected))
