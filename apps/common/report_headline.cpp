@@ -67,6 +67,23 @@ std::string witness_text(const ReportData& data) {
          ").";
 }
 
+// Ours with wrong hits, those with the most first.
+std::vector<const ReportRow*> wrong_rows(const ReportData& data) {
+  std::vector<const ReportRow*> found;
+  for (const std::string& kind : data.kinds())
+    for (const ReportRow* row : data.rows(kind))
+      if (!row->is_embree && row->wrong.value_or(0) > 0) found.push_back(row);
+  std::stable_sort(found.begin(), found.end(), [](const ReportRow* a, const ReportRow* b) { return *a->wrong > *b->wrong; });
+  return found;
+}
+
+std::string wrong_item(const ReportData& data, const ReportRow& row) {
+  const auto count = [&](const char* path) { return number_text(data, row.pointer(path), count_text); };
+  return "<li>" + html_escaped(row.label) + ", " + rays_of(row.rays_kind) + ": " + short_number(*row.wrong) +
+         " per million (miss " + count("verdicts/miss") + ", far " + count("verdicts/far") + ", false " +
+         count("verdicts/false") + " of " + count("rays") + " rays)</li>\n";
+}
+
 std::string fact(const std::string& name, const std::string& value) {
   return value.empty() ? "" : "<div><dt>" + html_escaped(name) + "</dt><dd>" + html_escaped(value) + "</dd></div>\n";
 }
@@ -111,15 +128,11 @@ std::string scene_title(const ReportData& data) {
 }
 
 std::string alarm_html(const ReportData& data) {
+  constexpr std::size_t kListed = 6;
+  const std::vector<const ReportRow*> rows = wrong_rows(data);
   std::string items;
-  for (const std::string& kind : data.kinds())
-    for (const ReportRow* row : data.rows(kind))
-      if (!row->is_embree && row->wrong.value_or(0) > 0)
-        items += "<li>" + html_escaped(row->label) + ", " + rays_of(kind) + ": " + short_number(*row->wrong) +
-                 " per million (miss " + number_text(data, row->pointer("verdicts/miss"), count_text) + ", far " +
-                 number_text(data, row->pointer("verdicts/far"), count_text) + ", false " +
-                 number_text(data, row->pointer("verdicts/false"), count_text) + " of " +
-                 number_text(data, row->pointer("rays"), count_text) + " rays)</li>\n";
+  for (std::size_t i = 0; i < std::min(rows.size(), kListed); ++i) items += wrong_item(data, *rows[i]);
+  if (rows.size() > kListed) items += "<li>and " + std::to_string(rows.size() - kListed) + " more, in the tables below</li>\n";
   for (const ReportRow& row : data.sorts())
     if (const double different = data.number(row.pointer("different_answers")).value_or(0); different > 0)
       items += "<li>" + html_escaped(row.method) + ", " + rays_of(row.rays_kind) + ": " + count_text(different) +

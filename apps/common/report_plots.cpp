@@ -249,7 +249,8 @@ std::optional<ReportPlot> speed_plot(const ReportData& data) {
   if (bars.empty()) return std::nullopt;
   ReportPlot plot{
       "plot-speed",
-      "<b>Speed.</b> Medians; lines reach from the least to the most of all runs. The dashed line is Embree, single rays; "
+      "<b>Speed by method.</b> Medians; lines reach from the least to the most of all runs. The dashed line is Embree, single "
+      "rays; "
       "numbers are multiples of its speed.",
       "Bars of millions of rays a second by method, one panel for each kind of rays; the table of speeds has the same numbers",
       Json::parse(report_parts::speed)};

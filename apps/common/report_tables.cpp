@@ -58,7 +58,8 @@ std::string summary_table(const ReportData& data) {
 
 std::string speed_table(const ReportData& data) {
   const HtmlTable table(
-      "<b>Speed.</b> Medians of all runs, which methods took in turns; least and most beside them. ● marks the front: no other "
+      "<b>Speed in numbers.</b> Medians of all runs, which methods took in turns; least and most beside them. ● marks the "
+      "front: no other "
       "method is both faster and less often wrong.",
       {{"method", true},
        {"Mrays/s"},

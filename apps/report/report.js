@@ -19,7 +19,9 @@
 
   // Panels as wide as they fit, in as many columns.
   const fitted = (spec, width) => {
-    const { least_width, most_width, beside, gap, legend_entry } = spec.usermeta.report;
+    const { least_width, most_width, gap, legend_entry, labels } = spec.usermeta.report;
+    const longest = Math.max(0, ...spec.data.values.map((row) => (labels ? row[labels].length : 0)));
+    const beside = spec.usermeta.report.beside + Math.min(220, 6.2 * longest);
     const panels = new Set(spec.data.values.map((row) => row[spec.facet.field])).size;
     const fit = Math.floor((width - beside + gap) / (least_width + gap));
     const columns = Math.max(1, Math.min(panels, fit));
