@@ -37,9 +37,6 @@ ReportData::ReportData(const std::string& json) : json_(Json::parse(json)) {
   }
   const auto differs = [&](const ReportRow& row) { return !row.is_embree && row.test != rows_.front().test; };
   have_tests_ = std::any_of(rows_.begin(), rows_.end(), differs);
-  if (!have_tests_) return;
-  for (ReportRow& row : rows_)
-    if (!row.test.empty()) row.label += " " + row.test;
 }
 
 ReportRow ReportData::row_of(std::size_t index) const {
@@ -47,13 +44,17 @@ ReportRow ReportData::row_of(std::size_t index) const {
   ReportRow row;
   row.index = index, row.json = &json;
   row.method = text_of(json, "method"), row.test = text_of(json, "test"), row.rays_kind = text_of(json, "rays_kind");
-  row.label = row.method;
+  const bool is_first_test = row.test.empty() || !text_of(json, "name").ends_with("/" + row.test);
+  row.label = is_first_test ? row.method : row.method + " + " + row.test;
+  row.is_promised = json.value("promised", true);
   row.is_embree = row.method == "Embree" || row.method.starts_with("Embree/");
   row.is_sort = json.contains("sort");
   const double mrays = number_of(json, "mrays_per_second");
   row.ns = json.contains("ns_per_ray") ? number_of(json, "ns_per_ray") : mrays > 0 ? 1e3 / mrays : 0;
-  row.wrong = number(row.pointer("wrong_per_million"));
-  row.bound = number(row.pointer("wrong_per_million_bound95"));
+  const bool in_sweep = json.contains("error");
+  row.wrong_path = in_sweep ? "error/per_million" : "wrong_per_million";
+  row.bound_path = in_sweep ? "error/bound95_per_million" : "wrong_per_million_bound95";
+  row.wrong = number(row.pointer(row.wrong_path)), row.bound = number(row.pointer(row.bound_path));
   return row;
 }
 
@@ -135,14 +136,19 @@ HtmlCell ReportData::ns_cell(const ReportRow& row) const {
   return inverse_cell(row.pointer("mrays_per_second"), 1e3, short_number);
 }
 
-HtmlCell ReportData::wrong_cell(const ReportRow& row) const {
-  if (!row.wrong) return {"", HtmlCell::Kind::number};
-  HtmlCell shown = cell(row.pointer(*row.wrong > 0 ? "wrong_per_million" : "wrong_per_million_bound95"), short_number);
-  if (*row.wrong > 0)
+HtmlCell ReportData::rate_cell(const std::string& pointer, const std::string& bound_pointer) const {
+  const auto rate = number(pointer);
+  if (!rate) return {"", HtmlCell::Kind::number};
+  HtmlCell shown = cell(*rate > 0 ? pointer : bound_pointer, short_number);
+  if (*rate > 0)
     shown.style = "bad";
   else
     shown.text = "< " + shown.text;
   return shown;
+}
+
+HtmlCell ReportData::wrong_cell(const ReportRow& row) const {
+  return rate_cell(row.pointer(row.wrong_path), row.pointer(row.bound_path));
 }
 
 HtmlCell ReportData::witness_wrong_cell(const ReportRow& row) {
@@ -161,6 +167,10 @@ HtmlCell ReportData::failures_cell(const std::string& pointer) const {
 }
 
 std::string rays_of_kind(const std::string& kind) { return kind.ends_with(".npy") ? kind : kind + " rays"; }
+
+std::string errors_note(const ReportData& data) {
+  return data.any_row_has("error") ? " Errors are the higher of those on these rays and on edge rays." : "";
+}
 
 HtmlCell words(std::string text) { return {std::move(text), HtmlCell::Kind::words}; }
 

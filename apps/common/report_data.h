@@ -21,10 +21,14 @@ struct ReportRow {
   std::size_t index = 0;
   const Json* json = nullptr;
   std::string method, test, rays_kind;
-  std::string label;  // the method, with the triangle test where rows differ in it
+  std::string label;  // the method, with the triangle test where that is not the first: "sbvh/stack + woop"
   bool is_embree = false, is_sort = false;
+  bool is_promised = true;             // wrong hits are failures: not of what a sweep has for comparison
   double ns = 0;                       // a ray; 0: not timed
   std::optional<double> wrong, bound;  // hits per million, and the 95 % bound of their rate; not where nothing is checked
+
+  // Where these come from: the rate on these rays, or in sweeps the higher one of these and of edge rays.
+  std::string wrong_path, bound_path;
 
   std::string pointer(const std::string& path) const { return "/benchmarks/" + std::to_string(index) + "/" + path; }
   bool is_clean() const { return wrong && *wrong == 0; }
@@ -70,6 +74,7 @@ class ReportData {
   HtmlCell inverse_cell(const std::string& pointer, double numerator, Format format) const;
   HtmlCell ns_cell(const ReportRow& row) const;
   // A rate per million, or where it is 0 its bound: "< 61.0".
+  HtmlCell rate_cell(const std::string& pointer, const std::string& bound_pointer) const;
   HtmlCell wrong_cell(const ReportRow& row) const;
   static HtmlCell witness_wrong_cell(const ReportRow& row);
   // A count that should be 0.
@@ -86,6 +91,9 @@ class ReportData {
 
 // "primary rays", or a file's name.
 std::string rays_of_kind(const std::string& kind);
+
+// What errors are where rows have them in a sweep; empty otherwise.
+std::string errors_note(const ReportData& data);
 
 HtmlCell words(std::string text);
 HtmlCell row_head(std::string text);

@@ -1,6 +1,7 @@
 #include "apps/common/report_headline.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "apps/common/text.h"
 
@@ -72,7 +73,7 @@ std::vector<const ReportRow*> wrong_rows(const ReportData& data) {
   std::vector<const ReportRow*> found;
   for (const std::string& kind : data.kinds())
     for (const ReportRow* row : data.rows(kind))
-      if (!row->is_embree && row->wrong.value_or(0) > 0) found.push_back(row);
+      if (!row->is_embree && row->is_promised && row->wrong.value_or(0) > 0) found.push_back(row);
   std::stable_sort(found.begin(), found.end(), [](const ReportRow* a, const ReportRow* b) { return *a->wrong > *b->wrong; });
   return found;
 }
@@ -82,6 +83,18 @@ std::string wrong_item(const ReportData& data, const ReportRow& row) {
   return "<li>" + html_escaped(row.label) + ", " + rays_of(row.rays_kind) + ": " + short_number(*row.wrong) +
          " per million (miss " + count("verdicts/miss") + ", far " + count("verdicts/far") + ", false " +
          count("verdicts/false") + " of " + count("rays") + " rays)</li>\n";
+}
+
+// What a sweep recommends, by kind of rays.
+std::string advice_html(const ReportData& data) {
+  std::string html;
+  const auto advice = data.context().find("advice");
+  if (advice == data.context().end() || !advice->is_object()) return html;
+  for (std::string text : *advice) {
+    if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    html += "<p class=\"finding\">" + html_escaped(text) + ".</p>\n";
+  }
+  return html;
 }
 
 std::string fact(const std::string& name, const std::string& value) {
@@ -142,8 +155,7 @@ std::string alarm_html(const ReportData& data) {
 }
 
 std::string finding_html(const ReportData& data) {
-  if (const std::string advice = data.context_text("advice"); !advice.empty())
-    return "<p class=\"finding\">" + html_escaped(advice) + "</p>\n";
+  if (const std::string advice = advice_html(data); !advice.empty()) return advice;
   if (data.kinds().empty()) return "";
   const ReportRow* const best = data.fastest_clean(data.kinds().front());
   if (best == nullptr)

@@ -228,8 +228,8 @@ std::optional<ReportPlot> pareto_plot(const ReportData& data) {
       "<b>Time against error.</b> A mark is a method" + std::string(data.have_tests() ? " with a triangle test" : "") +
           ". Lower and further left is better; the dashed line is the front, which no method beats in both. The scale of "
           "errors is linear below its first tick. Where no hit was wrong, a thin line reaches up to the 95 % bound, 3/N. "
-          "Above: Embree's modes at their speed; a diamond shows the errors of its robust mode, those of the others are not "
-          "judged.",
+          "Above: Embree's modes at their speed; diamonds show the errors of those that are judged." +
+          errors_note(data),
       "Scatter plots of nanoseconds a ray against wrong hits per million, one for each kind of rays; the table of speeds has "
       "the same numbers",
       Json::parse(report_parts::pareto)};

@@ -59,8 +59,8 @@ std::string summary_table(const ReportData& data) {
 std::string speed_table(const ReportData& data) {
   const HtmlTable table(
       "<b>Speed in numbers.</b> Medians of all runs, which methods took in turns; least and most beside them. ● marks the "
-      "front: no other "
-      "method is both faster and less often wrong.",
+      "front: no other method is both faster and less often wrong." +
+          errors_note(data),
       {{"method", true},
        {"Mrays/s"},
        {"least"},
@@ -70,6 +70,7 @@ std::string speed_table(const ReportData& data) {
        {"× Embree"},
        {"× best mode"},
        {"wrong per million"},
+       {"leaks per million"},
        {"front"}});
   return by_kind(
       table, data, [](const ReportRow&) { return true; },
@@ -83,6 +84,7 @@ std::string speed_table(const ReportData& data) {
                                      data.cell(row.pointer("ratio_to_embree"), hundredths),
                                      data.cell(row.pointer("ratio_to_best_embree"), hundredths),
                                      data.wrong_cell(row),
+                                     data.rate_cell(row.pointer("leaks/per_million"), row.pointer("leaks/bound95_per_million")),
                                      HtmlCell{data.is_on_front(row) ? "●" : "", HtmlCell::Kind::number}};
       });
 }

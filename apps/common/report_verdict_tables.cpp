@@ -63,7 +63,7 @@ void add_verdicts(HtmlTable& table, const ReportData& data, const std::string& k
     const ReportRow& row = *rows[i].row;
     std::vector<HtmlCell> ours = verdict_cells(data, row, "verdicts", names_of(rows[i], rows));
     ours.push_back(data.cell(row.pointer("unjudged"), [](double n) { return n > 0 ? count_text(n) : std::string(); }));
-    ours.push_back(data.wrong_cell(row));
+    ours.push_back(data.rate_cell(row.pointer("wrong_per_million"), row.pointer("wrong_per_million_bound95")));
     table.add_row(std::move(ours));
     if (!needs_witness_row(rows, i)) continue;
     std::vector<HtmlCell> witness = verdict_cells(data, row, "embree_verdicts", "Embree robust");
@@ -78,7 +78,7 @@ std::vector<HtmlCell> adjudication_cells(const ReportData& data, const Alike& al
   std::vector<HtmlCell> cells = {row_head(names_of(alike, all))};
   for (const char* key : {"both_right", "only_ours_right", "only_embree_right", "both_wrong"})
     cells.push_back(data.cell(at(std::string("adjudication/") + key), count_text));
-  for (const char* key : {"mean", "p99", "max"}) cells.push_back(data.cell(at(std::string("t_ulp/") + key), hundredths));
+  for (const char* key : {"mean", "p50", "p99", "max"}) cells.push_back(data.cell(at(std::string("t_ulp/") + key), hundredths));
   cells.push_back(data.cell(at("barycentric_error_max"), short_number));
   return cells;
 }
@@ -118,6 +118,7 @@ std::string adjudication_table(const ReportData& data) {
        {"only Embree"},
        {"neither"},
        {"t error, mean ulp"},
+       {"median"},
        {"p99"},
        {"most"},
        {"barycentric, most"}});

@@ -137,6 +137,19 @@ TEST(ReportHeadline, AllWrongOrUnchecked) {
   EXPECT_FALSE(pareto_plot(ReportData(json.dump())));
 }
 
+TEST(ReportHeadline, OfASweep) {
+  Json json = run();
+  json["context"]["advice"] = {{"primary", "use <this>"}, {"edge", "use that"}};
+  json["benchmarks"][2]["promised"] = false;
+  json["benchmarks"][1]["error"] = {{"per_million", 40.0}, {"bound95_per_million", 40.0}};
+  const ReportData data(json.dump());
+  EXPECT_THAT(finding_html(data), HasSubstr("Use &lt;this&gt;."));
+  EXPECT_THAT(finding_html(data), HasSubstr("Use that."));
+  EXPECT_THAT(alarm_html(data), Not(HasSubstr("bvh/fast")));  // there to be compared
+  EXPECT_THAT(alarm_html(data), HasSubstr("bvh/clean"));      // of edge rays
+  EXPECT_EQ(data.wrong_cell(*data.rows("primary")[1]).text, "40.0");
+}
+
 TEST(ReportPlots, MarksAreTheRows) {
   const ReportData data(run().dump());
   const auto plot = pareto_plot(data);
@@ -155,8 +168,10 @@ TEST(ReportPlots, MarksAreTheRows) {
 TEST(ReportPlots, TestsAreShapes) {
   Json json = run();
   json["benchmarks"][0]["test"] = "watertight", json["benchmarks"][1]["test"] = "moeller-trumbore";
+  json["benchmarks"][0]["name"] = "scene/bvh/slow/primary",
+  json["benchmarks"][1]["name"] = "scene/bvh/clean/primary/moeller-trumbore";
   const ReportData data(json.dump());
-  EXPECT_EQ(data.rows("primary")[1]->label, "bvh/clean moeller-trumbore");
+  EXPECT_EQ(data.rows("primary")[1]->label, "bvh/clean + moeller-trumbore");
   const auto plot = pareto_plot(data);
   EXPECT_EQ(plot->spec["spec"]["layer"][0]["encoding"]["shape"]["field"], "test");
 }
