@@ -69,11 +69,16 @@ std::string reproduce_html(const ReportData& data) {
          "numbers as JSON in Google Benchmark's shape, in its element <code>numbers</code>.</p>\n";
 }
 
+// What stands where no plot shows.
+std::string why_no_plots(bool has_library) {
+  if (has_library) return "Plots need scripts, which are off here.";
+  if (!report_plots_version().starts_with("Vega")) return "Plots were left out: this program was built without Vega-Lite.";
+  return "Plots were left out: " ACCEL_REPORT_PLOTS_FILE " is neither next to the program nor where it was installed.";
+}
+
 std::string content_html(const ReportData& data, std::span<const MethodPictures> pictures, bool has_plots) {
-  const std::string no_plots = std::string("<p class=\"note without-plots\">") +
-                               (has_plots ? "Plots need scripts, which are off here. "
-                                          : "Plots were left out: this program was built without Vega-Lite. ") +
-                               "The tables have all numbers.</p>\n";
+  const std::string no_plots =
+      "<p class=\"note without-plots\">" + why_no_plots(has_plots) + " The tables have all numbers.</p>\n";
   return "<header>\n<h1>" + html_escaped(scene_title(data)) + "</h1>\n" + subject_html(data) + alarm_html(data) +
          finding_html(data) + "</header>\n" + summary_table(data) + facts_html(data) + no_plots +
          section("Speed and error",
