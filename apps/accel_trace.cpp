@@ -3,6 +3,7 @@
 #include "apps/common/output.h"
 #include "apps/common/program.h"
 #include "apps/common/progress_bar.h"
+#include "apps/common/report_html.h"
 #include "apps/common/text.h"
 #include "apps/common/thread_limit.h"
 #include "apps/common/trace_options.h"
@@ -14,9 +15,14 @@ namespace {
 
 // The report to where the settings want it.
 Finished write_report(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
-  if (settings.json == "-") return terminal.write(report_json(report, settings));
-  if (!settings.json.empty())
-    if (auto done = write_text(settings.json, report_json(report, settings)); !done) return done;
+  const bool wants_json = !settings.json.empty() || !settings.report.empty();
+  const std::string json = wants_json ? report_json(report, settings) : "";
+  const std::string page = settings.report.empty() ? "" : report_html(json, report.pictures);
+  for (const auto& [path, text] : {std::pair{&settings.json, &json}, {&settings.report, &page}})
+    if (!path->empty() && *path != "-")
+      if (auto done = write_text(*path, *text); !done) return done;
+  if (settings.json == "-") return terminal.write(json);
+  if (settings.report == "-") return terminal.write(page);
   return terminal.write(report_text(report, settings, terminal));
 }
 

@@ -10,5 +10,7 @@ cmake --preset release -DACCEL_WITH_CUDA=OFF -DACCEL_BUILD_TESTS=OFF -DACCEL_BUI
 cmake --build build/demo
 
 mkdir -p out
-build/demo/apps/accel-trace --image out/stadium.png --heatmap out/stadium-steps.png --diff out/stadium-verdicts.png --json out/stadium.json
+build/demo/apps/accel-trace --image out/stadium.png --heatmap out/stadium-steps.png --diff out/stadium-verdicts.png \
+  --json out/stadium.json --report out/stadium.html
 echo "Pictures and numbers: out/stadium.png, out/stadium-steps.png, out/stadium-verdicts.png, out/stadium.json" >&2
+echo "All of it on one page: out/stadium.html" >&2

@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 
+#include "apps/common/program_files.h"
 #include "apps/images/image_functions.h"
 
 namespace accel::apps {
@@ -14,21 +15,16 @@ namespace {
 
 constexpr std::array<const char*, 5> kEndings = {"png", "exr", "jpg", "jpeg", "tif"};
 
-// Next to the program, as in a build folder, or where an installation has it.
 Outcome<const ImageFunctions*> load_images() {
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  std::string why;
-  for (const char* folder : {"", ACCEL_IMAGES_FOLDER}) {
-    const std::filesystem::path path = program / folder / ACCEL_IMAGES_FILE;
-    if (!std::filesystem::exists(path, error)) continue;
-    void* const module = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
-    void* const symbol = module == nullptr ? nullptr : dlsym(module, kGetImageFunctions);
-    if (symbol != nullptr) return reinterpret_cast<GetImageFunctions*>(symbol)();
-    why = dlerror();
-  }
-  if (why.empty()) why = std::string(ACCEL_IMAGES_FILE) + " is neither next to the program nor where it was installed";
-  return Failure(ExitStatus::unavailable, "cannot load what writes pictures: " + why);
+  const auto failed = [](const std::string& why) {
+    return Failure(ExitStatus::unavailable, "cannot load what writes pictures: " + why);
+  };
+  const std::filesystem::path path = find_program_file(ACCEL_IMAGES_FOLDER, ACCEL_IMAGES_FILE);
+  if (path.empty()) return failed(ACCEL_IMAGES_FILE " is neither next to the program nor where it was installed");
+  void* const module = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
+  void* const symbol = module == nullptr ? nullptr : dlsym(module, kGetImageFunctions);
+  if (symbol == nullptr) return failed(dlerror());
+  return reinterpret_cast<GetImageFunctions*>(symbol)();
 }
 
 // Loaded when it is first needed, and kept.
@@ -69,6 +65,14 @@ Finished write_heat(const std::filesystem::path& path, const HeatPicture& pictur
 Finished write_classes(const std::filesystem::path& path, const HeatPicture& heat, const ClassPicture& classes,
                        const std::string& channel) {
   return images() ? (*images())->classes(path, heat, classes, channel) : Finished(images().failure());
+}
+
+Outcome<std::string> heat_png(const HeatPicture& picture, double top) {
+  return images() ? (*images())->heat_png(picture, top) : Outcome<std::string>(images().failure());
+}
+
+Outcome<std::string> class_png(const ClassPicture& picture) {
+  return images() ? (*images())->class_png(picture) : Outcome<std::string>(images().failure());
 }
 
 }  // namespace accel::apps

@@ -40,4 +40,9 @@ Finished write_heat(const std::filesystem::path& path, const HeatPicture& pictur
 Finished write_classes(const std::filesystem::path& path, const HeatPicture& heat, const ClassPicture& classes,
                        const std::string& channel);
 
+// Pictures alone, without title and legend, as the bytes of a PNG file: values through a colour map that reaches from 0 to `top`
+// on a logarithmic scale, log(1 + value); and classes in their colours.
+Outcome<std::string> heat_png(const HeatPicture& picture, double top);
+Outcome<std::string> class_png(const ClassPicture& picture);
+
 }  // namespace accel::apps

@@ -23,5 +23,7 @@ Finished write_heat(const std::filesystem::path&, const HeatPicture&, const std:
 Finished write_classes(const std::filesystem::path&, const HeatPicture&, const ClassPicture&, const std::string&) {
   return no_library();
 }
+Outcome<std::string> heat_png(const HeatPicture&, double) { return no_library(); }
+Outcome<std::string> class_png(const ClassPicture&) { return no_library(); }
 
 }  // namespace accel::apps

@@ -75,4 +75,52 @@ HeatPicture mean_by_pixel(std::span<const std::uint32_t> numbers, const RaySet& 
   return picture;
 }
 
+namespace {
+
+PictureSize shrunk_size(PictureSize size, std::uint32_t factor) {
+  return {(size.width + factor - 1) / factor, (size.height + factor - 1) / factor};
+}
+
+std::uint32_t shrink_factor(PictureSize size, std::uint32_t most) {
+  return std::max((std::max(size.width, size.height) + most - 1) / most, 1u);
+}
+
+// Visits every pixel of a picture with the block that it belongs to.
+template <class Visit>
+void for_each_in_blocks(PictureSize size, std::uint32_t factor, const Visit& visit) {
+  const std::uint32_t blocks_across = shrunk_size(size, factor).width;
+  for (std::uint32_t y = 0; y < size.height; ++y)
+    for (std::uint32_t x = 0; x < size.width; ++x)
+      visit(std::size_t{y / factor} * blocks_across + x / factor, std::size_t{y} * size.width + x);
+}
+
+}  // namespace
+
+HeatPicture shrunk(const HeatPicture& picture, std::uint32_t most) {
+  const std::uint32_t factor = shrink_factor(picture.size, most);
+  HeatPicture small{shrunk_size(picture.size, factor), {}, picture.title, picture.unit};
+  std::vector<double> sums(small.size.pixels(), 0);
+  std::vector<std::uint32_t> counts(small.size.pixels(), 0);
+  for_each_in_blocks(picture.size, factor, [&](std::size_t block, std::size_t pixel) {
+    if (!std::isnan(picture.values[pixel])) sums[block] += picture.values[pixel], ++counts[block];
+  });
+  small.values.resize(small.size.pixels(), std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t b = 0; b < sums.size(); ++b)
+    if (counts[b] > 0) small.values[b] = static_cast<float>(sums[b] / counts[b]);
+  return small;
+}
+
+ClassPicture shrunk(const ClassPicture& picture, std::uint32_t most) {
+  const std::uint32_t factor = shrink_factor(picture.size, most);
+  const auto none = static_cast<std::uint8_t>(picture.classes.size() - 1);
+  ClassPicture small{shrunk_size(picture.size, factor), picture.classes, {}, picture.title};
+  small.values.resize(small.size.pixels(), none);
+  for_each_in_blocks(picture.size, factor, [&](std::size_t block, std::size_t pixel) {
+    std::uint8_t& value = small.values[block];
+    const std::uint8_t mine = picture.values[pixel];
+    if (mine != none) value = value == none ? mine : std::max(value, mine);
+  });
+  return small;
+}
+
 }  // namespace accel::apps

@@ -47,6 +47,9 @@ struct HeatPicture {
 // The mean of a number over the rays of each pixel.
 HeatPicture mean_by_pixel(std::span<const std::uint32_t> numbers, const RaySet& set, PictureSize size);
 
+// Smaller by whole factors, so that no side is longer than `most`: the means of blocks of pixels.
+HeatPicture shrunk(const HeatPicture& picture, std::uint32_t most);
+
 // One of several classes a pixel, each with its colour, beside a heat map of the same size.
 struct ClassPicture {
   struct Class {
@@ -60,5 +63,8 @@ struct ClassPicture {
   std::vector<std::uint8_t> values;  // per pixel: an index into classes
   std::string title;
 };
+
+// Likewise: of a block of pixels the last class, but for the last of all, which is of pixels without rays.
+ClassPicture shrunk(const ClassPicture& picture, std::uint32_t most);
 
 }  // namespace accel::apps

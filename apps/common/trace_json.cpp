@@ -36,6 +36,17 @@ Json camera_json(const CameraDescription& c) {
   return {{"name", c.name}, {"eye", vec_json(c.eye)}, {"at", vec_json(c.at)}, {"up", vec_json(c.up)}, {"vfov", c.vfov_degrees}};
 }
 
+// What is known of a structure's leaves and its quality.
+void add_facts(Json& json, const StructureFacts& facts) {
+  if (facts.sah_cost) json["sah_cost"] = *facts.sah_cost;
+  if (facts.depth) json["depth"] = *facts.depth;
+  if (facts.inner_nodes) json["inner_nodes"] = *facts.inner_nodes;
+  if (facts.leaves) json["leaves"] = *facts.leaves;
+  if (facts.leaf_size_mean) json["leaf_size_mean"] = *facts.leaf_size_mean;
+  if (!facts.leaf_sizes.empty()) json["leaf_sizes"] = facts.leaf_sizes;
+  if (!facts.leaf_depths.empty()) json["leaf_depths"] = facts.leaf_depths;
+}
+
 Json structure_json(const StructureRow& row) {
   Json json = {{"name", row.name}, {"build_seconds", row.build_seconds}, {"bytes", row.bytes}};
   if (row.report.references == 0) return json;
@@ -44,6 +55,7 @@ Json structure_json(const StructureRow& row) {
   json["skipped"] = {{"zero_area", row.report.skipped.zero_area}, {"out_of_range", row.report.skipped.out_of_range}};
   json["peak_bytes"] = row.report.peak_bytes;
   for (const BuildPhase& phase : row.report.phases) json["phases"][phase.name] = phase.seconds;
+  add_facts(json, row.facts);
   return json;
 }
 
@@ -232,6 +244,7 @@ Json row_json(const TraceRow& row, const TraceReport& report, const TraceSetting
   add_embree(json, row, report);
   if (row.check) add_check(json, *row.check);
   const StructureRow& structure = report.structures[row.structure];
+  json["structure"] = structure.name;
   json["build_seconds"] = structure.build_seconds;
   json["bytes"] = structure.bytes;
   if (report.triangles > 0)

@@ -176,6 +176,7 @@ void add_outputs(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
     app.add_option(flag, path, what)->type_name("FILE")->group("Output");
   };
   add("--json", settings.json, "in Google Benchmark's shape; - is standard output, instead of tables");
+  add("--report", settings.report, "one page with plots, tables and pictures, which opens offline (.html)");
   add("--image", settings.image, "the view, shaded by normal (.png, .exr, .jpg, .tif)");
   add("--heatmap", settings.heatmap, "cost of each ray of the first method and kind, with a legend");
   app.add_option("--heatmap-of", raw.heatmap_of, "its counter: " + join(ray_counters(), ", "))
@@ -352,7 +353,9 @@ Finished check_consistency(const TraceSettings& settings) {
     return usage("--sweep: is for the CPU; leave out --device " + settings.device);
   if (settings.sweep && settings.sort) return usage("--sweep: and --sort are measured one at a time");
   if (settings.hits > 0 && settings.hits_out.empty()) return usage("--hits: needs --hits-out, a file for them");
-  return check_writable({settings.json, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
+  if (settings.json == "-" && settings.report == "-") return usage("--json, --report: only one of them can be standard output");
+  return check_writable(
+      {settings.json, settings.report, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
 }
 
 // A structure file is built already: options of builders would do nothing.

@@ -52,7 +52,7 @@ struct TraceSettings {
   bool explain = false;  // what builds left out, and why
 
   // Output files; empty: none.
-  std::string json, image, heatmap, diff, rays_out, hits_out;
+  std::string json, report, image, heatmap, diff, rays_out, hits_out;
   std::uint32_t hits = 0;  // a ray, in hits_out; 0: one, as the method traces it
   RayCounter heatmap_of = RayCounter::steps;
   std::string repro = "accel-repro";  // how the names of repro bundles begin

@@ -59,22 +59,27 @@ HeatPicture heat_picture(std::span<const std::uint32_t> values, RayCounter count
   return picture;
 }
 
+ClassPicture verdicts_picture(const validation::CheckResult& check, const RaySet& set, PictureSize size) {
+  ClassPicture picture{size, {}, std::vector<std::uint8_t>(size.pixels(), kNoRays), "verdicts"};
+  for (const VerdictClass& c : kClasses) picture.classes.push_back({c.name, c.color});
+  picture.classes.push_back({"no rays", {0.22f, 0.22f, 0.25f}});
+  for (std::size_t i = 0; i < check.verdicts.size(); ++i) {
+    const std::uint8_t mine = class_of(check.verdicts[i]);
+    ++picture.classes[mine].rays;
+    std::uint8_t& gravest = picture.values[set.pixel[i]];
+    gravest = gravest == kNoRays ? mine : std::max(gravest, mine);
+  }
+  return picture;
+}
+
 DifferencePictures difference_pictures(const Difference& d, PictureSize size, const std::string& subject) {
   DifferencePictures pictures;
   pictures.distance = {size, std::vector<float>(size.pixels(), std::numeric_limits<float>::quiet_NaN()),
                        std::string("t against ") + (d.check.has_witness ? "Embree robust" : "exact") + ": " + subject, "ulp"};
-  pictures.verdicts = {size, {}, std::vector<std::uint8_t>(size.pixels(), kNoRays), "verdicts"};
-  for (const VerdictClass& c : kClasses) pictures.verdicts.classes.push_back({c.name, c.color});
-  pictures.verdicts.classes.push_back({"no rays", {0.22f, 0.22f, 0.25f}});
-
+  pictures.verdicts = verdicts_picture(d.check, d.batch.set, size);
   for (std::size_t i = 0; i < d.batch.size(); ++i) {
-    const std::uint32_t pixel = d.batch.set.pixel[i];
-    float& far_apart = pictures.distance.values[pixel];
+    float& far_apart = pictures.distance.values[d.batch.set.pixel[i]];
     far_apart = std::fmax(far_apart, distance(d, i));
-    const std::uint8_t mine = class_of(d.check.verdicts[i]);
-    ++pictures.verdicts.classes[mine].rays;
-    std::uint8_t& gravest = pictures.verdicts.values[pixel];
-    gravest = gravest == kNoRays ? mine : std::max(gravest, mine);
   }
   return pictures;
 }

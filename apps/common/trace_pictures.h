@@ -25,6 +25,9 @@ struct Difference {
   const validation::Judge& judge;
 };
 
+// The gravest verdict of each pixel's rays. The check has its verdicts.
+ClassPicture verdicts_picture(const validation::CheckResult& check, const RaySet& set, PictureSize size);
+
 struct DifferencePictures {
   HeatPicture distance;   // how far apart the t of both are, in ulp: the largest of a pixel's rays
   ClassPicture verdicts;  // the gravest verdict of a pixel's rays

@@ -7,6 +7,7 @@
 
 #include "apps/common/embree_modes.h"
 #include "apps/common/measure.h"
+#include "apps/common/report_pictures.h"
 #include "apps/common/scene.h"
 #include "apps/common/sorted_rays.h"
 #include "apps/common/structure_facts.h"
@@ -96,6 +97,7 @@ struct TraceReport {
   std::vector<BuildNote> notes;  // of the builds, each once
   std::vector<Skip> skipped;
   std::vector<Advice> advice;  // of a sweep, by kind of rays
+  std::vector<MethodPictures> pictures;  // for --report
 
   std::uint64_t failures() const;
   // Embree's rows for a kind of rays: the one that ratios refer to, or null; its fastest mode, where several were timed, or

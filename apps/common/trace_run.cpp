@@ -16,16 +16,25 @@
 #include "apps/common/text.h"
 #include "apps/common/trace_pictures.h"
 #include "libaccel/io/npy.h"
+#include "libaccel/rays/ray_kind.h"
 
 namespace accel::apps {
 
 namespace {
+
+// The first kind of rays that belong to pixels; empty without one.
+std::string first_image_kind(const std::vector<std::string>& kinds) {
+  for (const std::string& kind : kinds)
+    if (const auto parsed = parse_ray_kind(kind); parsed && info(*parsed).is_image) return kind;
+  return {};
+}
 
 class TraceRun {
  public:
   TraceRun(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar, Scene scene, std::string device)
       : settings_(settings), terminal_(terminal), bar_(bar), scene_(std::move(scene)), embree_(scene_, settings.common, bar) {
     report_.device = std::move(device);
+    if (!settings.report.empty()) pictured_kind_ = first_image_kind(settings.ray_kinds);
   }
 
   Outcome<TraceReport> run() {
@@ -169,10 +178,12 @@ class TraceRun {
     };
     for (std::size_t m = 0; m < configurations_.size(); ++m) {
       const bool is_first = m == 0 && kind == settings_.ray_kinds.front();
+      const bool is_pictured = kind == pictured_kind_ && configurations_[m].promised;
       const Truth truth = checker.truth_of(configurations_[m].member->accel.method());
       const auto testimony = testimony_for(truth);
       if (!testimony) return testimony.failure();
-      const Traced traced{configurations_[m], engines[m], *batch, (*measured)[m], truth, **testimony, is_first};
+      const Traced traced{configurations_[m], engines[m],  *batch,   (*measured)[m],
+                          truth,              **testimony, is_first, is_pictured};
       if (auto done = examine(traced, maker, checker); !done) return done;
       if (sorted) compare_orders(traced, (*measured)[engines_.size() + m], *sorted);
     }
@@ -204,7 +215,8 @@ class TraceRun {
     const Measurement& measured;
     Truth truth;
     const Answers& testimony;
-    bool is_first;  // the method and kind that files are about
+    bool is_first;     // the method and kind that files are about
+    bool is_pictured;  // in the report
 
     const AnyAccel& accel() const { return configuration.member->accel; }
   };
@@ -213,7 +225,8 @@ class TraceRun {
     const std::string& method = traced.accel().method().name;
     TraceRow row = row_of(method, traced.batch, traced.measured, traced.configuration.member->structure);
     row.test = traced.configuration.test, row.promised = traced.configuration.promised;
-    std::vector<std::uint32_t> steps(traced.is_first && !settings_.heatmap.empty() ? traced.batch.size() : 0);
+    const bool in_file = traced.is_first && !settings_.heatmap.empty();
+    std::vector<std::uint32_t> steps(in_file || traced.is_pictured ? traced.batch.size() : 0);
     // A sweep's tests share the steps of their method.
     if (!settings_.sweep || row.promised)
       if (auto done = count(traced, steps, row); !done) return done;
@@ -221,15 +234,26 @@ class TraceRun {
     if (checker.checks()) {
       bar_.begin("checking " + method + ", " + traced.batch.name);
       auto checked = checker.check(traced.batch, traced.truth, traced.measured.answers, traced.testimony,
-                                   traced.is_first && !settings_.diff.empty());
+                                   traced.is_pictured || (traced.is_first && !settings_.diff.empty()));
       if (!checked) return checked.failure();
       row.check = *std::move(checked);
       if (row.promised && row.check->failures() > 0) write_bundle(traced, checker, row);
     }
+    if (traced.is_pictured) keep_pictures(traced, row, steps, maker.picture_size());
     if (traced.is_first)
       if (auto done = write_files(traced, row, steps, maker, checker); !done) return done;
     report_.rows.push_back(std::move(row));
     return Done{};
+  }
+
+  void keep_pictures(const Traced& traced, const TraceRow& row, std::span<const std::uint32_t> steps, PictureSize size) {
+    const RaySet& set = traced.batch.set;
+    MethodPictures pictures{row.method,
+                            row.rays_kind,
+                            shrunk(heat_picture(steps, settings_.heatmap_of, set, size, row.method), kMostReportPixels),
+                            {}};
+    if (row.check) pictures.verdicts = shrunk(verdicts_picture(*row.check, set, size), kMostReportPixels);
+    report_.pictures.push_back(std::move(pictures));
   }
 
   // Sorting must change no answer, and may change the speed.
@@ -395,6 +419,7 @@ class TraceRun {
   EmbreeScenes embree_;
   std::vector<EmbreeRival> rivals_;
   std::vector<std::size_t> rival_structures_;  // their rows among the structures
+  std::string pictured_kind_;                  // the kind of rays of the report's pictures; empty: there are none
 };
 
 // A structure file need not give its triangles for rays that come from elsewhere and hits that nobody checks.

@@ -1,6 +1,7 @@
 #include "apps/common/versions.h"
 
 #include "apps/common/image.h"
+#include "apps/common/report_html.h"
 #include "apps/common/text.h"
 #include "libaccel/core/version.h"
 #include "validation/oracle/embree.h"
@@ -11,7 +12,8 @@ std::vector<std::pair<std::string, std::string>> versions() {
   return {{"libaccel", kVersion},
           {"compiler", ACCEL_COMPILER},
           {"embree", validation::EmbreeWitness::version()},
-          {"images", image_library_version()}};
+          {"images", image_library_version()},
+          {"plots", report_plots_version()}};
 }
 
 std::string versions_text(const std::string& program) {

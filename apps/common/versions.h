@@ -7,7 +7,7 @@
 
 namespace accel::apps {
 
-// Name and version, or why there is none: libaccel, compiler, Embree, OpenImageIO, CUDA.
+// Name and version, or why there is none: libaccel, compiler, Embree, OpenImageIO, Vega-Lite.
 std::vector<std::pair<std::string, std::string>> versions();
 
 // What --version prints.

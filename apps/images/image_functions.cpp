@@ -1,5 +1,6 @@
 #include "apps/images/image_functions.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
@@ -307,12 +308,49 @@ Finished classes_to_file(const std::filesystem::path& path, const HeatPicture& h
   return canvas.write(path);
 }
 
+// A PNG file in memory, of 8-bit RGB.
+Outcome<std::string> png_of(PictureSize size, const std::vector<std::uint8_t>& bytes) {
+  ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("png:compressionLevel", 9);
+  const auto output = OIIO::ImageOutput::create("png");
+  if (!output) return Failure(ExitStatus::error, "cannot make a picture: " + OIIO::geterror());
+  OIIO::Filesystem::IOVecOutput memory;
+  const bool written = output->set_ioproxy(&memory) && output->open("memory.png", spec) &&
+                       output->write_image(TypeDesc::UINT8, bytes.data()) && output->close();
+  if (!written) return Failure(ExitStatus::error, "cannot make a picture: " + output->geterror());
+  return std::string(memory.buffer().begin(), memory.buffer().end());
+}
+
+// Few colours make small files.
+Outcome<std::string> heat_to_png(const HeatPicture& picture, double top) {
+  constexpr float kLevels = 63;
+  const Scale scale{std::max(top, 1.0), true};
+  std::vector<float> places;
+  for (const float v : picture.values) places.push_back(std::isnan(v) ? 0.0f : std::round(scale.place(v) * kLevels) / kLevels);
+  const ImageSpec spec(static_cast<int>(picture.size.width), static_cast<int>(picture.size.height), 1, TypeDesc::FLOAT);
+  const ImageBuf colors = OIIO::ImageBufAlgo::color_map(ImageBuf(spec, places.data()), 0, "inferno");
+  std::vector<std::uint8_t> bytes(picture.size.pixels() * 3);
+  colors.get_pixels(OIIO::ROI(0, spec.width, 0, spec.height, 0, 1, 0, 3), TypeDesc::UINT8, bytes.data());
+  for (std::size_t p = 0; p < picture.values.size(); ++p)
+    if (std::isnan(picture.values[p])) std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, std::uint8_t{128});
+  return png_of(picture.size, bytes);
+}
+
+Outcome<std::string> class_to_png(const ClassPicture& picture) {
+  std::vector<std::uint8_t> bytes;
+  for (const std::uint8_t value : picture.values)
+    for (int c = 0; c < 3; ++c) bytes.push_back(to_byte(picture.classes[value].color[c]));
+  return png_of(picture.size, bytes);
+}
+
 }  // namespace
 
 }  // namespace accel::apps
 
 extern "C" [[gnu::visibility("default")]] const accel::apps::ImageFunctions* accel_image_functions() {
   static constexpr accel::apps::ImageFunctions kFunctions = {accel::apps::shaded_to_file, accel::apps::heat_to_file,
-                                                             accel::apps::classes_to_file};
+                                                             accel::apps::classes_to_file, accel::apps::heat_to_png,
+                                                             accel::apps::class_to_png};
   return &kFunctions;
 }

@@ -9,6 +9,8 @@ struct ImageFunctions {
   decltype(&write_shaded) shaded;
   decltype(&write_heat) heat;
   decltype(&write_classes) classes;
+  decltype(&accel::apps::heat_png) heat_png;
+  decltype(&accel::apps::class_png) class_png;
 };
 
 // The module's one symbol, a function of this type.

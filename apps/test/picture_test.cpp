@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace accel::apps {
 namespace {
@@ -47,6 +48,22 @@ TEST(Picture, ColoursAreAveragedAndCornersAreDarker) {
   EXPECT_GT(bright.colors[0].x, bright.colors[1].x);
   const ShadedPicture mixed = shade(mesh, rays_of_pixels({0, 0}), hits, {1, 1}, open);
   EXPECT_FLOAT_EQ(mixed.colors[0].x, 0.5f * (bright.colors[0].x + bright.colors[1].x));
+}
+
+TEST(Picture, ShrinkingAveragesWhatThereIs) {
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  const HeatPicture small = shrunk(HeatPicture{{3, 2}, {1, 3, none, none, 2, none}, "title", "unit"}, 2);
+  EXPECT_EQ(small.size.width, 2u);
+  EXPECT_EQ(small.size.height, 1u);
+  EXPECT_EQ(small.values[0], 2);
+  EXPECT_TRUE(std::isnan(small.values[1]));
+  EXPECT_EQ(shrunk(HeatPicture{{3, 2}, std::vector<float>(6, 1), {}, {}}, 3).size.width, 3u);  // fits already
+}
+
+TEST(Picture, ShrinkingKeepsTheGravestClass) {
+  const ClassPicture picture{{4, 1}, {{"agree", {}}, {"miss", {}}, {"no rays", {}}}, {0, 1, 2, 2}, "title"};
+  EXPECT_EQ(shrunk(picture, 2).values, (std::vector<std::uint8_t>{1, 2}));
+  EXPECT_EQ(shrunk(picture, 1).values, (std::vector<std::uint8_t>{1}));
 }
 
 }  // namespace

@@ -349,6 +349,45 @@ test_json() {
   expect 0 trace builtin:cornell --json report.json; says out Speed; json report.json 'len(j["benchmarks"]) >= 1'
 }
 
+checks_page() { python3 "$ACCEL_CLI_TESTS/report_page.py" "$@" >out 2>&1 || fail "the page is not as it should be"; }
+
+test_report() {
+  needs_python
+  expect 0 trace builtin:cornell --method bvh/stack,grid/dda --rays primary,shadow,edge --profile simt,multipass --sort morton \
+    --json run.json --report page.html
+  says out Speed; is_silent err; checks_page page.html run.json
+  has images && says page.html "data:image/png;base64,"
+  expect 0 trace builtin:cornell --rays random --check none --report -; says out "<!DOCTYPE html>"; lacks out "Mrays/s  min"
+  expect 0 trace builtin:cornell --embree all --check exact --json run.json --report page.html
+  if has embree; then says page.html Embree/packet8; fi
+  usage_error trace builtin:cornell --json - --report -; says err --report
+}
+
+# Names of scenes and command lines are text, whatever they look like.
+test_report_of_hostile_names() {
+  needs_python
+  quad; mv quad.obj '"><script>alert(1)<|script>.obj'
+  expect 0 trace '"><script>alert(1)<|script>.obj' --json run.json --report page.html
+  lacks page.html '<script>alert'; says page.html '&quot;&gt;&lt;script&gt;alert(1)'; checks_page page.html run.json
+}
+
+# dom FILE: what a browser makes of a page, in dom.html; what its scripts complain of, among other things, in err.
+dom() {
+  timeout 100 chromium --headless=new --no-sandbox --disable-gpu --user-data-dir="$PWD/profile" --virtual-time-budget=20000 \
+    --enable-logging=stderr --dump-dom "file://$PWD/$1" >dom.html 2>err || fail "the browser failed"
+}
+
+test_report_in_a_browser() {
+  needs_python
+  command -v chromium >/dev/null || skip "chromium was not found"
+  expect 0 trace builtin:cornell --method bvh/stack,grid/dda,kdtree/stack --rays primary,shadow,edge --json run.json --report page.html
+  sed "s/<meta charset/<meta http-equiv=\"Content-Security-Policy\" content=\"script-src 'none'\">&/" page.html >no-scripts.html
+  dom no-scripts.html; says err CONSOLE
+  says dom.html '<html lang="en">'; says dom.html "Plots need scripts"; says dom.html "kdtree/stack"
+  "$ACCEL_TRACE" --version | grep -q "plots *Vega" || skip "no plots are built in"
+  dom page.html; lacks err CONSOLE; checks_page page.html run.json dom.html
+}
+
 test_skips_are_reported() {
   expect 0 "$ACCEL_TRACE" builtin:soup:100000 --method all --width 200 --height 100 --repeat 1
   says out "skipped: brute/loop, because"
@@ -473,7 +512,7 @@ test_cuda_without_device() {
 
 test_unwritable_outputs() {
   # Found before any work is done: before the scene, which is not there either, is looked for.
-  for flag in --json --rays-out --hits-out; do
+  for flag in --json --report --rays-out --hits-out; do
     expect 1 trace nothing.ply $flag no/such/folder/file.npy; one_line_error; says err no/such/folder
   done
   expect 1 build nothing.ply -o no/such/folder/file.accel; one_line_error; says err no/such/folder
