@@ -35,11 +35,12 @@ auto run_on(const AnyStructure& structure, const Run& run) {
 template <class Method, class Test>
 constexpr bool can_hold() {
   using Traverser = typename Method::template Traverser<Test, Query::closest>;
-  if constexpr (!PrecomputedTest<Test>)
-    return true;
-  else
-    return HoldsPackedTriangles<typename Method::Structure> && !needs<Traverser>(Bvh2Extras::uncles) &&
-           !needs<Traverser>(Bvh2Extras::hash) && !needs<Traverser>(Bvh2Extras::full_hash);
+  using Structure = typename Method::Structure;
+  bool has_room = !PrecomputedTest<Test> || HoldsPackedTriangles<Structure>;
+  if constexpr (PrecomputedTest<Test> && requires { Bvh2Extras{Structure::kExtras[0]}; })
+    for (const Bvh2Extras links : {Bvh2Extras::uncles, Bvh2Extras::hash, Bvh2Extras::full_hash})
+      has_room = has_room && !needs<Traverser>(links);
+  return has_room;
 }
 
 template <class Method, class Test>

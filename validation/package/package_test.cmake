@@ -1,4 +1,5 @@
-# Builds a user's project around the example of the README, and runs it. MODE is find_package or add_subdirectory.
+# Builds a user's project around the example of the README, and runs it. MODE is find_package or add_subdirectory; of the latter, the
+# user's part is built.
 cmake_minimum_required(VERSION 3.25)
 
 # The ```cpp block of the README is the program.
@@ -22,6 +23,18 @@ endif()
 execute_process(COMMAND "${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}/consumer" -B "${WORK_DIR}/build" -G "${GENERATOR}"
   -D "CMAKE_CXX_COMPILER=${CXX}" -D "CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG=-O0
   -D ACCEL_WITH_CUDA=OFF -D "EXAMPLE=${WORK_DIR}/example.cpp" ${how} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+# As a subdirectory the library would be compiled once more, which takes minutes and tells nothing: the user's sources are, and the
+# rest is proved to be buildable.
+if(MODE STREQUAL "add_subdirectory")
+  execute_process(COMMAND "${CMAKE_COMMAND}" --build "${WORK_DIR}/build" --target user_objects COMMAND_ERROR_IS_FATAL ANY)
+  if(GENERATOR MATCHES "Ninja|Makefiles")
+    execute_process(COMMAND "${CMAKE_COMMAND}" --build "${WORK_DIR}/build" -- -n OUTPUT_VARIABLE plan COMMAND_ERROR_IS_FATAL ANY)
+    if(NOT plan MATCHES "Linking CXX executable (device|example)")
+      message(FATAL_ERROR "the build has no plan for the user's programs:\n${plan}")
+    endif()
+  endif()
+  return()
+endif()
 execute_process(COMMAND "${CMAKE_COMMAND}" --build "${WORK_DIR}/build" COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND "${WORK_DIR}/build/example" OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <set>
+#include <type_traits>
 #include <vector>
 
 #include "libaccel/registry/instantiate_method.h"
@@ -67,6 +68,19 @@ TEST(Methods, NamesAreUniqueAndHaveTwoParts) {
     EXPECT_EQ(std::count(name.begin(), name.end(), '/'), 1) << name;
   });
   EXPECT_TRUE(names.contains("brute/backwards"));
+}
+
+// Precomputed transforms take the place of vertices, and of links in the words beside them.
+TEST(Methods, TransformsGoWhereThereIsRoom) {
+  const auto can_hold = []<class Method>(std::type_identity<Method>) { return detail::can_hold<Method, BaldwinWeber>(); };
+  EXPECT_TRUE(can_hold(std::type_identity<Method<ListBuilder, BruteForce>>{}));
+  EXPECT_TRUE(can_hold(std::type_identity<Method<Sbvh, Bvh2Stack>>{}));
+  EXPECT_TRUE(can_hold(std::type_identity<Method<KdTreeSah, KdTreeRopes>>{}));
+  EXPECT_TRUE(can_hold(std::type_identity<Method<InstanceBuilder, InstancesStack>>{}));
+  EXPECT_FALSE(can_hold(std::type_identity<Method<Sbvh, Bvh2Hash>>{}));
+  EXPECT_FALSE(can_hold(std::type_identity<Method<Sbvh, Bvh2Uncle>>{}));
+  EXPECT_FALSE(can_hold(std::type_identity<Method<InstanceBuilder, InstancesHash>>{}));
+  EXPECT_FALSE(can_hold(std::type_identity<Method<WideSbvh, Bvh8Ordered>>{}));
 }
 
 TEST(Methods, StructuresAreListedOnce) {
