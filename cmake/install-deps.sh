@@ -15,6 +15,7 @@ packages=(
   libopenimageio-dev libimath-dev  # pictures
   libgtest-dev libgmock-dev        # tests
   libbenchmark-dev                 # benchmarks
+  clang libclang-rt-14-dev         # fuzzing
 )
 
 missing=()
