@@ -32,6 +32,6 @@ for target in "${targets[@]}"; do
   [[ ! -d validation/fuzz/corpus/$target ]] || seeds+=("validation/fuzz/corpus/$target")
   echo "fuzzing $target for $((each > 0 ? each : 1)) s" >&2
   UBSAN_OPTIONS=print_stacktrace=1 "build/fuzz/validation/fuzz/fuzz.$target" -max_total_time=$((each > 0 ? each : 1)) -timeout=20 \
-    -rss_limit_mb=4096 -max_len=20000 -print_final_stats=1 -verbosity=0 -artifact_prefix="$crashes" "$found" "${seeds[@]}" || failed+=("$target")
+    -rss_limit_mb=4096 -max_len=20000 -print_final_stats=1 -print_funcs=0 -verbosity=0 -artifact_prefix="$crashes" "$found" "${seeds[@]}" || failed+=("$target")
 done
 [[ ${#failed[@]} -eq 0 ]] || { echo "error: crashes in: ${failed[*]}; see build/fuzz/crashes" >&2; exit 1; }
