@@ -16,6 +16,7 @@ packages=(
   libopenimageio-dev libimath-dev  # pictures
   libgtest-dev libgmock-dev        # tests
   libbenchmark-dev                 # benchmarks
+  clang libclang-rt-14-dev         # fuzzing
 )
 
 # Vega-Lite, for plots in reports: unless npm is there from elsewhere, whose packages contradict Debian's.

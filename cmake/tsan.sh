@@ -4,6 +4,9 @@
 # oneTBB as Debian ships it is not built with ThreadSanitizer, which therefore does not see that a task is finished before who
 # waits for it goes on, and reports races that are none. Suppressing them would hide ours, so oneTBB is built here with the
 # sanitizer, once, from Debian's source package (or from the folder TBB_SOURCE), into build/tsan-tbb.
+#
+# Not part of cmake/test.sh: with oneTBB, the whole library is compiled a third time, which does not fit beside the other two in the
+# time of continuous integration. Run it after changes of builders or executors.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 prefix="$root/build/tsan-tbb"

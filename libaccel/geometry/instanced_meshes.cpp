@@ -10,6 +10,7 @@
 
 #include "libaccel/core/float_bounds.h"
 #include "libaccel/core/hit.h"
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/geometry/mesh_facts.h"
 
 namespace accel {
@@ -70,7 +71,7 @@ struct InstancedMeshes::Flat {
 
 std::shared_ptr<InstancedMeshes::Flat> InstancedMeshes::make_flat() { return std::make_shared<Flat>(); }
 
-Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances) {
+Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances) try {
   std::vector<Aabb> bounds;
   for (const TriangleMesh& mesh : meshes) {
     if (const Status valid = validate(mesh); !valid) return valid.error();
@@ -87,6 +88,8 @@ Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, 
   }
   parts->meshes = std::move(meshes), parts->instances = std::move(instances);
   return InstancedMeshes(std::move(parts));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("putting a scene of instances together");
 }
 
 std::size_t InstancedMeshes::size_bytes() const {

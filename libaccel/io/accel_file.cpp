@@ -8,6 +8,7 @@
 #define XXH_STATIC_LINKING_ONLY  // the size of XXH3_state_t
 #include <xxhash.h>
 
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/io/atomic_file.h"
 #include "libaccel/io/mapped_file.h"
 
@@ -63,11 +64,11 @@ std::uint64_t padded_checksum(std::span<const std::byte> bytes) {
 }
 
 // What is wrong with a file's header; null if nothing is.
-const char* header_fault(std::span<const std::byte> bytes, const FileHeader& header) {
+const char* header_fault(std::span<const std::byte> bytes, const FileHeader& header, VerifyChecksums verify) {
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) return "is not a structure file";
   if (header.byte_order == kOtherByteOrder) return "was written on a machine of the other byte order; build it again here";
   if (header.version != kAccelFileVersion) return "is of another version of the format; build it again";
-  if (header.header_checksum != header_checksum(header)) return "the header is damaged";
+  if (verify == VerifyChecksums::yes && header.header_checksum != header_checksum(header)) return "the header is damaged";
   if (header.file_size != bytes.size()) return "is truncated, or something was appended";
   if (header.section_count > kMostSections || table_end(header.section_count) > bytes.size())
     return "the table of sections does not fit the file";
@@ -100,7 +101,7 @@ struct AccelFile::State {
   }
 };
 
-Result<AccelFile> AccelFile::open(const std::filesystem::path& path, VerifyChecksums verify) {
+Result<AccelFile> AccelFile::open(const std::filesystem::path& path, VerifyChecksums verify) try {
   Result<std::shared_ptr<MappedFile>> mapping = MappedFile::open(path);
   if (!mapping) return mapping.error();
   const auto state = std::make_shared<State>();
@@ -112,14 +113,14 @@ Result<AccelFile> AccelFile::open(const std::filesystem::path& path, VerifyCheck
   FileHeader header;
   if (bytes.size() < sizeof(header)) return file.error({}, "is not a structure file, or is truncated");
   std::memcpy(&header, bytes.data(), sizeof(header));
-  if (const char* fault = header_fault(bytes, header)) return file.error({}, fault);
+  if (const char* fault = header_fault(bytes, header, verify)) return file.error({}, fault);
 
   std::uint64_t offset = table_end(header.section_count);
-  if (checksum(bytes.data() + sizeof(header), offset - sizeof(header)) != header.table_checksum)
+  const std::span<const std::byte> table = bytes.subspan(sizeof(header), offset - sizeof(header));
+  if (verify == VerifyChecksums::yes && checksum(table.data(), table.size()) != header.table_checksum)
     return file.error({}, "the table of sections is damaged");
   state->table.resize(header.section_count);
-  if (!state->table.empty())
-    std::memcpy(state->table.data(), bytes.data() + sizeof(header), state->table.size() * sizeof(TableEntry));
+  if (!state->table.empty()) std::memcpy(state->table.data(), table.data(), state->table.size() * sizeof(TableEntry));
 
   for (const TableEntry& entry : state->table) {
     if (const char* fault = entry_fault(entry, offset, bytes.size())) return file.error({}, fault);
@@ -131,6 +132,8 @@ Result<AccelFile> AccelFile::open(const std::filesystem::path& path, VerifyCheck
   state->verified = std::make_unique<std::atomic<bool>[]>(state->table.size());
   for (std::size_t i = 0; i < state->table.size(); ++i) state->verified[i] = verify == VerifyChecksums::no;
   return file;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("opening a structure file");
 }
 
 const std::filesystem::path& AccelFile::path() const { return state_->path; }
@@ -150,10 +153,12 @@ std::uint64_t AccelFile::count(std::string_view name) const {
   return entry != nullptr ? entry->size_bytes / entry->element_size : 0;
 }
 
-Result<std::string> AccelFile::text(std::string_view name) const {
+Result<std::string> AccelFile::text(std::string_view name) const try {
   const Result<Buffer<char>> characters = array<char>(name);
   if (!characters) return characters.error();
   return std::string(characters->begin(), characters->end());
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading a section");
 }
 
 Error AccelFile::error(std::string_view section, std::string_view what) const {
@@ -161,7 +166,7 @@ Error AccelFile::error(std::string_view section, std::string_view what) const {
   return Error{state_->path.string() + ": " + place + std::string(what)};
 }
 
-Result<AccelFile::RawSection> AccelFile::take(std::string_view name, std::size_t element_size) const {
+Result<AccelFile::RawSection> AccelFile::take(std::string_view name, std::size_t element_size) const try {
   const TableEntry* entry = state_->find(name);
   if (entry == nullptr) return error(name, "is missing");
   if (entry->element_size != element_size)
@@ -175,18 +180,25 @@ Result<AccelFile::RawSection> AccelFile::take(std::string_view name, std::size_t
     verified.store(true, std::memory_order_relaxed);
   }
   return RawSection{data, entry->size_bytes, state_->mapping};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading a section");
 }
 
-void AccelFileWriter::add_borrowed(std::string_view name, std::span<const std::byte> bytes, std::size_t element_size) {
+void AccelFileWriter::add_borrowed(std::string_view name, std::span<const std::byte> bytes, std::size_t element_size) try {
   sections_.push_back({std::string(name), bytes, static_cast<std::uint32_t>(element_size), nullptr});
+} catch (const std::bad_alloc&) {
+  complete_ = false;
 }
 
-void AccelFileWriter::add_copied(std::string_view name, std::span<const std::byte> bytes, std::size_t element_size) {
+void AccelFileWriter::add_copied(std::string_view name, std::span<const std::byte> bytes, std::size_t element_size) try {
   auto copy = std::make_shared<std::vector<std::byte>>(bytes.begin(), bytes.end());
   sections_.push_back({std::string(name), *copy, static_cast<std::uint32_t>(element_size), copy});
+} catch (const std::bad_alloc&) {
+  complete_ = false;
 }
 
-Status AccelFileWriter::write(const std::filesystem::path& path) const {
+Status AccelFileWriter::write(const std::filesystem::path& path) const try {
+  if (!complete_) return out_of_memory("collecting the sections of a structure file");
   FileHeader header = {};
   std::uint64_t offset = table_end(sections_.size());
   std::vector<TableEntry> table((offset - sizeof(FileHeader)) / sizeof(TableEntry));  // ends in empty entries as padding
@@ -223,6 +235,8 @@ Status AccelFileWriter::write(const std::filesystem::path& path) const {
     if (Status status = file->write(std::span(kZeros, padding)); !status) return status;
   }
   return file->commit();
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a structure file");
 }
 
 }  // namespace accel

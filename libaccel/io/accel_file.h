@@ -28,6 +28,8 @@ namespace accel {
 
 inline constexpr std::uint32_t kAccelFileVersion = 4;
 
+// Without them nothing protects a file from changes that leave it well formed. What is read is validated all the same, so that
+// nothing worse than wrong hits comes of it; fuzzers rely on this.
 enum class VerifyChecksums : bool { no, yes };
 
 class AccelFile {
@@ -78,6 +80,7 @@ class AccelFile {
   std::shared_ptr<State> state_;
 };
 
+// Where there is no memory for a section that is added, write() says so.
 class AccelFileWriter {
  public:
   // Adds an array, which must stay as it is until write(). Names are unique.
@@ -120,6 +123,7 @@ class AccelFileWriter {
   void add_copied(std::string_view name, std::span<const std::byte> bytes, std::size_t element_size);
 
   std::vector<Section> sections_;
+  bool complete_ = true;  // no section was lost
 };
 
 }  // namespace accel

@@ -12,6 +12,8 @@
 #include <string>
 #include <utility>
 
+#include "libaccel/core/out_of_memory.h"
+
 namespace accel {
 namespace {
 
@@ -59,7 +61,7 @@ void AtomicPath::discard() noexcept {
   if (std::exchange(pending_, false)) ::unlink(temporary_.c_str());
 }
 
-Result<AtomicPath> AtomicPath::create(const fs::path& named) {
+Result<AtomicPath> AtomicPath::create(const fs::path& named) try {
   std::error_code ignored;
   fs::path target = named;
   if (fs::is_symlink(fs::symlink_status(target, ignored)) && fs::exists(target, ignored))
@@ -79,14 +81,17 @@ Result<AtomicPath> AtomicPath::create(const fs::path& named) {
       // Some file systems have no modes: then there is nothing to keep.
       if (fs::exists(status)) (void)::fchmod(descriptor, static_cast<mode_t>(status.permissions()));
       ::close(descriptor);
-      return AtomicPath(target, std::move(temporary));
+      // Moved, since a copy may fail, and then nobody would remove the file.
+      return AtomicPath(std::move(target), std::move(temporary));
     }
     if (errno != EEXIST) break;
   }
   return system_error(named, "cannot write here", errno);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("creating a file");
 }
 
-Status AtomicPath::commit() {
+Status AtomicPath::commit() try {
   if (!pending_) return Done{};
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) {
     const int error_number = errno;
@@ -95,6 +100,8 @@ Status AtomicPath::commit() {
   }
   pending_ = false;
   return Done{};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("replacing a file");
 }
 
 AtomicFile::AtomicFile(AtomicPath path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
@@ -116,15 +123,17 @@ void AtomicFile::close() noexcept {
   if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
 }
 
-Result<AtomicFile> AtomicFile::create(const fs::path& target) {
+Result<AtomicFile> AtomicFile::create(const fs::path& target) try {
   Result<AtomicPath> path = AtomicPath::create(target);
   if (!path) return path.error();
   const int descriptor = ::open(path->path().c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) return system_error(target, "cannot write", errno);
   return AtomicFile(*std::move(path), descriptor);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("creating a file");
 }
 
-Status AtomicFile::write(std::span<const std::byte> bytes) {
+Status AtomicFile::write(std::span<const std::byte> bytes) try {
   // Linux writes 2 GiB at most in one call.
   constexpr std::size_t kLargestWrite = std::size_t{1} << 30;
   while (!bytes.empty()) {
@@ -134,22 +143,28 @@ Status AtomicFile::write(std::span<const std::byte> bytes) {
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
   return Done{};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a file");
 }
 
 Status AtomicFile::write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
 
-Status AtomicFile::commit(Durable durable) {
+Status AtomicFile::commit(Durable durable) try {
   if (durable == Durable::yes && ::fsync(descriptor_) != 0) return system_error(path_.target(), "cannot write", errno);
   // A full disk or a lost server may be reported only here.
   if (::close(std::exchange(descriptor_, -1)) != 0) return system_error(path_.target(), "cannot write", errno);
   return path_.commit();
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a file");
 }
 
-Status write_file(const fs::path& target, std::string_view contents) {
+Status write_file(const fs::path& target, std::string_view contents) try {
   Result<AtomicFile> file = AtomicFile::create(target);
   if (!file) return file.error();
   if (Status written = file->write(contents); !written) return written;
   return file->commit();
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a file");
 }
 
 }  // namespace accel

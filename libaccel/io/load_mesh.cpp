@@ -5,6 +5,7 @@
 #include <new>
 #include <string>
 
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/io/input_bytes.h"
 #include "libaccel/io/obj.h"
 #include "libaccel/io/ply.h"
@@ -26,7 +27,7 @@ Parser parser_for(const std::filesystem::path& path) {
 
 bool is_mesh_file_name(const std::filesystem::path& path) { return parser_for(path) != nullptr; }
 
-Result<TriangleMesh> load_mesh(const std::filesystem::path& path, const LoadOptions& options) {
+Result<TriangleMesh> load_mesh(const std::filesystem::path& path, const LoadOptions& options) try {
   const std::string name = path.string();
   const Parser parse = parser_for(path);
   std::error_code ignored;
@@ -38,6 +39,8 @@ Result<TriangleMesh> load_mesh(const std::filesystem::path& path, const LoadOpti
   } catch (const std::bad_alloc&) {
     return Error{name + ": not enough memory to load it"};
   }
+} catch (const std::bad_alloc&) {
+  return out_of_memory("loading a mesh");
 }
 
 }  // namespace accel

@@ -1,8 +1,9 @@
 #include "libaccel/io/load_scene.h"
 
-#include "libaccel/io/scene_description.h"
-
 #include <map>
+
+#include "libaccel/core/out_of_memory.h"
+#include "libaccel/io/scene_description.h"
 
 namespace accel {
 namespace {
@@ -49,7 +50,7 @@ class InstanceLoader {
 
 }  // namespace
 
-Result<SceneData> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
+Result<SceneData> load_scene(const std::filesystem::path& path, const LoadOptions& options) try {
   // First what is short to read: a mistake there should not wait for the mesh.
   Result<SceneDescription> description = find_scene_description(path);
   if (!description) return description.error();
@@ -61,6 +62,8 @@ Result<SceneData> load_scene(const std::filesystem::path& path, const LoadOption
   Result<TriangleMesh> mesh = load_mesh(path, options);
   if (!mesh) return mesh.error();
   return SceneData{*std::move(mesh), std::move(description->cameras), description->light, {}};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("loading a scene");
 }
 
 }  // namespace accel

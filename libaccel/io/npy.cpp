@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/io/atomic_file.h"
 #include "libaccel/io/load_bytes.h"
 #include "libaccel/io/mapped_file.h"
@@ -210,20 +211,26 @@ struct NpyFile {
 
 }  // namespace
 
-Status write_rays_npy(const std::filesystem::path& path, std::span<const Ray> rays) {
+Status write_rays_npy(const std::filesystem::path& path, std::span<const Ray> rays) try {
   return write_npy(path, "'<f4'", {rays.size(), 8}, std::as_bytes(rays));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a .npy file");
 }
 
-Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits) {
+Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits) try {
   return write_npy(path, kHitFields, {hits.size()}, std::as_bytes(hits));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a .npy file");
 }
 
-Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits, std::size_t per_ray) {
+Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits, std::size_t per_ray) try {
   ACCEL_ASSERT(per_ray > 0 && hits.size() % per_ray == 0);
   return write_npy(path, kHitFields, {hits.size() / per_ray, per_ray}, std::as_bytes(hits));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a .npy file");
 }
 
-Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path) {
+Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path) try {
   const Result<NpyFile> file = NpyFile::open(path);
   if (!file) return file.error();
   const auto& [name, mapping, header] = *file;
@@ -246,9 +253,11 @@ Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path) {
     if (with_interval) ray.t_min = matrix->at(i, 3), ray.t_max = matrix->at(i, 7);
   }
   return rays;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading rays");
 }
 
-Result<Buffer<Hit>> read_hits_npy(const std::filesystem::path& path) {
+Result<Buffer<Hit>> read_hits_npy(const std::filesystem::path& path) try {
   const Result<NpyFile> file = NpyFile::open(path);
   if (!file) return file.error();
   const auto& [name, mapping, header] = *file;
@@ -261,6 +270,8 @@ Result<Buffer<Hit>> read_hits_npy(const std::filesystem::path& path) {
   Buffer<Hit> hits(header.shape[0]);
   if (!hits.empty()) std::memcpy(hits.data(), file->data(), hits.size_bytes());
   return hits;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading hits");
 }
 
 }  // namespace accel

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/io/input_bytes.h"
 
@@ -242,7 +243,7 @@ bool is_file(const fs::path& path) {
 
 }  // namespace
 
-Status validate(const CameraDescription& camera) {
+Status validate(const CameraDescription& camera) try {
   if (!is_finite(camera.eye) || !is_finite(camera.at) || !is_finite(camera.up)) return Error{"eye, at and up must be finite"};
   if (camera.eye == camera.at) return Error{"eye and at are the same point"};
   // In double precision, where neither the difference nor the products overflow.
@@ -255,13 +256,17 @@ Status validate(const CameraDescription& camera) {
   if (!(across > 0)) return Error{"up is zero or lies along the view direction"};
   if (!(camera.vfov_degrees > 0 && camera.vfov_degrees < 180)) return Error{"vfov must lie between 0 and 180 degrees"};
   return Done{};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("checking a camera");
 }
 
-Result<SceneDescription> parse_scene_json(std::string_view text, const std::string& name) {
+Result<SceneDescription> parse_scene_json(std::string_view text, const std::string& name) try {
   return JsonReader(name).read(text);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading a scene description");
 }
 
-Result<SceneDescription> parse_scene_table(std::string_view text, const std::string& name, std::string_view scene_file) {
+Result<SceneDescription> parse_scene_table(std::string_view text, const std::string& name, std::string_view scene_file) try {
   SceneDescription scene;
   std::optional<std::array<std::size_t, 6>> columns;
   std::size_t line_number = 0;
@@ -289,9 +294,11 @@ Result<SceneDescription> parse_scene_table(std::string_view text, const std::str
     scene.cameras.push_back(std::move(camera));
   }
   return scene;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading a scene description");
 }
 
-Result<SceneDescription> find_scene_description(const fs::path& scene) {
+Result<SceneDescription> find_scene_description(const fs::path& scene) try {
   const auto parsed = [](const fs::path& path, const auto& parse) -> Result<SceneDescription> {
     const Result<InputBytes> input = read_input(path);
     if (!input) return input.error();
@@ -309,6 +316,8 @@ Result<SceneDescription> find_scene_description(const fs::path& scene) {
       parsed(table, [&](std::string_view text, const std::string& name) { return parse_scene_table(text, name, file); });
   if (rows && rows->cameras.empty()) return SceneDescription{};
   return rows;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading a scene description");
 }
 
 }  // namespace accel

@@ -8,7 +8,9 @@
 // when it is asked for: facts and structures are read without touching its pages, so that a program which only traces never
 // does.
 //
-// Errors are the container's (io/accel_file.h) and those of validate() of the structure.
+// Errors are the container's (io/accel_file.h) and those of validate() of the structure. read() and save_accel() are the whole
+// of it, and return an error where memory ends too; their parts, read_sections() and write_sections(), throw std::bad_alloc
+// then.
 #pragma once
 
 #include <map>
@@ -19,6 +21,7 @@
 
 #include "libaccel/core/camera_description.h"
 #include "libaccel/core/light_description.h"
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/geometry/triangle_mesh.h"
@@ -94,17 +97,19 @@ Status read_sections(const AccelFile& file, Structure& structure) {
 
 // Any of them: read<Bvh2>(file).
 template <class T>
-Result<T> read(const AccelFile& file) {
+Result<T> read(const AccelFile& file) try {
   T value;
   if (Status status = read_sections(file, value); !status) return status.error();
   return value;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading a structure file");
 }
 
 // Writes a whole structure file. The scene is a mesh that validate() accepts (else an error) or InstancedMeshes, whichever the
 // structure was built over.
 template <class Scene, class Structure>
 Status save_accel(const std::filesystem::path& path, const AccelMetadata& metadata, const Scene& scene,
-                  const Structure& structure) {
+                  const Structure& structure) try {
   if constexpr (std::is_same_v<Scene, TriangleMesh>)
     if (const Status status = validate(scene); !status) return status;
   AccelFileWriter writer;
@@ -112,6 +117,8 @@ Status save_accel(const std::filesystem::path& path, const AccelMetadata& metada
   write_sections(writer, scene);
   write_sections(writer, structure);
   return writer.write(path);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("writing a structure file");
 }
 
 }  // namespace accel

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/registry/method_entry.h"
 #include "libaccel/registry/methods.h"
@@ -54,15 +55,6 @@ Status same_size(std::span<const Ray> rays, std::span<Out> out) {
   return Error{"there are " + std::to_string(rays.size()) + " rays, but room for " + std::to_string(out.size()) + " results"};
 }
 
-// Methods that trace packets need some memory for each thread.
-template <class Trace>
-Status with_memory(const Trace& trace) try {
-  trace();
-  return Done{};
-} catch (const std::bad_alloc&) {
-  return Error{"out of memory while tracing a batch; trace fewer rays at once, or on fewer threads"};
-}
-
 // Whether there is room for k hits a ray and a count.
 Status has_room(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts) {
   if (k > std::numeric_limits<std::uint32_t>::max()) return Error{"there is no counting to " + std::to_string(k) + " hits"};
@@ -103,7 +95,7 @@ std::string best_method(const Purpose& purpose) {
   return best_serves ? std::string(kBest) : first->name;
 }
 
-Result<std::string> find_method(std::string_view name) {
+Result<std::string> find_method(std::string_view name) try {
   if (name == "best") return best_method();
   std::vector<std::string_view> names;
   for (const MethodInfo& info : methods()) {
@@ -111,6 +103,8 @@ Result<std::string> find_method(std::string_view name) {
     names.push_back(info.name);
   }
   return unknown_name("method", name, names);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("looking up a method");
 }
 
 // A triangle test as a method runs it, and the structure that it reads.
@@ -143,12 +137,14 @@ struct AnyAccel::State {
   }
 };
 
-Status AnyAccel::accepts(std::string_view test) const {
+Status AnyAccel::accepts(std::string_view test) const try {
   const auto found = find_test(test);
   if (!found) return found.error();
   if (state_->entry->tests[*found].closest != nullptr) return Done{};
   return Error{method().name + " does not trace with the test " + std::string(test) + ": the leaves of a '" +
                method().structure + "' have no room for what it precomputes"};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("looking up a triangle test");
 }
 
 bool AnyAccel::is_tuned_for(std::string_view test) const {
@@ -161,32 +157,38 @@ Result<AnyAccel::Tracer> AnyAccel::tracer(std::string_view test) const try {
   const std::size_t index = *find_test(test);
   return Tracer{&state_->entry->tests[index], &state_->structure_for(index)};
 } catch (const std::bad_alloc&) {
-  return Error{"out of memory while preparing " + method().structure + " for the test " + std::string(test)};
+  return out_of_memory("preparing a structure for a triangle test");
 }
 
-Result<AnyAccel::Tracer> AnyAccel::modelled_tracer(std::string_view test) const {
+Result<AnyAccel::Tracer> AnyAccel::modelled_tracer(std::string_view test) const try {
   const auto found = tracer(test);
   if (!found || found->entry->simt != nullptr) return found;
   std::string names;
   for (const std::string& name : modelled_tests()) names += (names.empty() ? "" : " and ") + name;
   return Error{"models of machines and queries for several hits have the tests " + names + ", not " + std::string(test)};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("looking up a triangle test");
 }
 
-Result<AnyAccel> AnyAccel::build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options) {
+Result<AnyAccel> AnyAccel::build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options) try {
   const auto entry = find_entry(method);
   if (!entry) return entry.error();
   const Status valid = validate(mesh);
   if (!valid) return valid.error();
   return (*entry)->build(mesh, (*entry)->info, options);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("building a structure");
 }
 
-Result<AnyAccel> AnyAccel::build(const InstancedMeshes& scene, std::string_view method, const BuildOptions& options) {
+Result<AnyAccel> AnyAccel::build(const InstancedMeshes& scene, std::string_view method, const BuildOptions& options) try {
   const auto entry = find_entry(method);
   if (!entry) return entry.error();
   return (*entry)->build_instances(scene, (*entry)->info, options);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("building a structure");
 }
 
-Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method, BuildReport report) {
+Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method, BuildReport report) try {
   const auto entry = find_entry(method);
   if (!entry) return entry.error();
   const Status fits = (*entry)->check(structure, (*entry)->info);
@@ -194,20 +196,28 @@ Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method,
   const Status annotated = (*entry)->annotate(structure, (*entry)->info, report);
   if (!annotated) return annotated.error();
   return AnyAccel(std::make_shared<const State>(std::move(structure), std::move(report), **entry));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("binding a structure to a method");
 }
 
-Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const TraceOptions& options) const {
+Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const TraceOptions& options) const try {
   const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, hits); !s) return s;
-  return with_memory([&] { test->entry->closest(*test->structure, rays, hits, {options.threads, options.packets}); });
+  test->entry->closest(*test->structure, rays, hits, {options.threads, options.packets});
+  return Done{};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");
 }
 
-Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options) const {
+Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options) const try {
   const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, occluded); !s) return s;
-  return with_memory([&] { test->entry->occluded(*test->structure, rays, occluded, {options.threads, options.packets}); });
+  test->entry->occluded(*test->structure, rays, occluded, {options.threads, options.packets});
+  return Done{};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");
 }
 
 // Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more.
@@ -223,16 +233,18 @@ bool AnyAccel::occluded(const Ray& ray) const {
 }
 
 Status AnyAccel::k_nearest(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts,
-                           const TraceOptions& options) const {
+                           const TraceOptions& options) const try {
   const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (Status s = has_room(rays, k, hits, counts); !s) return s;
   test->entry->next_hits(*test->structure, rays, {}, hits, counts, options.threads);
   return Done{};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");
 }
 
 Status AnyAccel::next_hits(std::span<const Ray> rays, std::span<const Hit> after, std::size_t k, std::span<Hit> hits,
-                           std::span<std::uint32_t> counts, const TraceOptions& options) const {
+                           std::span<std::uint32_t> counts, const TraceOptions& options) const try {
   const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (rays.size() != after.size())
@@ -241,6 +253,8 @@ Status AnyAccel::next_hits(std::span<const Ray> rays, std::span<const Hit> after
   if (Status s = has_room(rays, k, hits, counts); !s) return s;
   test->entry->next_hits(*test->structure, rays, after, hits, counts, options.threads);
   return Done{};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");
 }
 
 std::size_t AnyAccel::k_nearest(const Ray& ray, std::span<Hit> hits) const {
@@ -256,30 +270,36 @@ std::size_t AnyAccel::next_hits(const Ray& ray, const Hit& after, std::span<Hit>
 }
 
 Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
-                                 const TraceOptions& options, RayCounter counter) const {
+                                 const TraceOptions& options, RayCounter counter) const try {
   const auto test = tracer(options.test);
   if (!test) return test.error();
   if (!values.empty())
     if (Status s = same_size(rays, values); !s) return s.error();
   return test->entry->count(*test->structure, rays, query, values, options.threads, counter);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("counting what rays cost");
 }
 
 Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query query, std::span<Hit> hits, const SimtOptions& simt,
-                                           const TraceOptions& options) const {
+                                           const TraceOptions& options) const try {
   const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (!hits.empty())
     if (Status s = same_size(rays, hits); !s) return s.error();
   return test->entry->simt(*test->structure, rays, query, hits, simt, options.threads);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("tracing on the warp model");
 }
 
 Result<MultipassProfile> AnyAccel::trace_multipass(std::span<const Ray> rays, Query query, std::span<Hit> hits,
-                                                   const MultipassOptions& multipass, const TraceOptions& options) const {
+                                                   const MultipassOptions& multipass, const TraceOptions& options) const try {
   const auto test = modelled_tracer(options.test);
   if (!test) return test.error();
   if (!hits.empty())
     if (Status s = same_size(rays, hits); !s) return s.error();
   return test->entry->multipass(*test->structure, rays, query, hits, multipass, options.threads);
+} catch (const std::bad_alloc&) {
+  return out_of_memory("tracing in several passes");
 }
 
 const MethodInfo& AnyAccel::method() const { return state_->entry->info; }
