@@ -19,12 +19,16 @@
 // same order. An addition to [BK16]: the node in the register keeps its distance there, and is dropped as the stack version
 // drops it; with the mask, some others are too. Hits are the same.
 //
+// More registers. On CPUs the method remembers four nodes in place of one (bvh2_hash_recent.h), in trees down to depth 63.
+//
 // The state has constant size. A copy of it, taken between two steps, resumes where it was taken (see also DeepPath::Stack).
 #pragma once
 
 #include <limits>
 
 #include "libaccel/trace/bvh2_common.h"
+#include "libaccel/trace/bvh2_hash_recent.h"
+#include "libaccel/trace/hash_look_up.h"
 #include "libaccel/trace/node_path.h"
 
 namespace accel {
@@ -63,7 +67,7 @@ struct Bvh2HashWith : Path::Traits {
   struct State : Bvh2State<Test>, Path {
     NodeRef recent;     // the most recently postponed node, or kNoNode
     float recent_near;  // where the ray enters it, or 0
-    [[no_unique_address]] std::conditional_t<kMask, DisjointTrail<decltype(Path::trail)>, NoDisjointTrail> disjoint;
+    [[no_unique_address]] std::conditional_t<kMask, DisjointTrail<typename Path::Word>, NoDisjointTrail> disjoint;
   };
 
   template <class Observer>
@@ -112,7 +116,7 @@ struct Bvh2HashWith : Path::Traits {
     if (!state.rise_to_postponed(observer)) return Phase::done;
     observer.backtrack();
     state.cross();
-    const NodeRef target = state.recent != kNoNode ? state.recent : look_up(view, state, observer);
+    const NodeRef target = state.recent != kNoNode ? state.recent : look_up(view, state.hashed_key(), observer);
     state.recent = kNoNode;
     return enter_node(state, target, observer);
   }
@@ -158,24 +162,6 @@ struct Bvh2HashWith : Path::Traits {
     if constexpr (kDistance) state.recent_near = 0;
   }
 
-  template <class Observer>
-  ACCEL_HD static NodeRef look_up(const View& view, const State& state, Observer& observer) {
-    const auto key = state.hashed_key();
-    if constexpr (sizeof key == 8)
-      if (view.depth > kMaxDepth32) return find(view.hash, key, observer);
-    return find(view.hash, static_cast<std::uint32_t>(key), observer);
-  }
-
-  template <class Key, class Observer>
-  ACCEL_HD static NodeRef find(const NodeHashView& hash, Key key, Observer& observer) {
-    const std::uint32_t* const displacement = hash.displacements + hash.bucket(key);
-    observer.load(Memory::hash, displacement, sizeof *displacement);
-    if (is_direct(*displacement)) return direct_ref(*displacement);
-    const NodeRef* const slot = hash.slots + hash.slot(key, *displacement);
-    observer.load(Memory::hash, slot, sizeof *slot);
-    return *slot;
-  }
-
   // Forgets the node in the register if it is entered behind the hit.
   ACCEL_HD static void drop_recent(State& state, const Hit& hit) {
     if (state.recent == kNoNode || state.recent_near <= hit.t * kFarScale || !state.drop_postponed()) return;
@@ -192,11 +178,23 @@ struct Bvh2HashWith : Path::Traits {
   }
 };
 
-// The method, for trees of any depth.
+namespace detail {
+template <class Test, Query kQuery>
+struct Bvh2HashOfDevices : Bvh2HashWith<Test, kQuery, NodePath<std::uint64_t>> {
+  static constexpr bool kForDevices = true;
+};
+}  // namespace detail
+
+// How many postponed nodes CPUs remember: see bvh2_hash_recent.h.
+inline constexpr std::uint32_t kRecentNodes = 4;
+
+// The method, for trees of any depth: with one register on devices and in trees deeper than 63.
 template <class Test, Query kQuery>
 struct Bvh2Hash : Bvh2HashWith<Test, kQuery, DeepPath> {
   using Specialisations =
-      TypeList<Bvh2HashWith<Test, kQuery, NodePath<std::uint32_t>>, Bvh2HashWith<Test, kQuery, NodePath<std::uint64_t>>>;
+      TypeList<Bvh2HashWith<Test, kQuery, NodePath<std::uint32_t>>, Bvh2HashRecentWith<Test, kQuery, PackedPath, kRecentNodes>,
+               detail::Bvh2HashOfDevices<Test, kQuery>,
+               Bvh2HashRecentWith<Test, kQuery, NodePath<std::uint64_t>, kRecentNodes>>;
 };
 
 }  // namespace accel

@@ -47,6 +47,7 @@
 #include "libaccel/trace/bvh2_hash.h"
 #include "libaccel/trace/bvh2_sibling.h"
 #include "libaccel/trace/bvh2_uncle.h"
+#include "libaccel/trace/hash_look_up.h"
 #include "libaccel/trace/multi_hit.h"
 
 namespace accel {
@@ -169,7 +170,7 @@ struct Pausable : Base {
   template <class Observer>
   ACCEL_HD static NodeRef find_node(const View& view, const State& state, Observer& observer) {
     if constexpr (kLooksUpAll)
-      if (state.key != 1) return Base::look_up(view, state, observer);
+      if (state.key != 1) return look_up(view, state.hashed_key(), observer);
     return node_at(view, state.key, observer);
   }
 };

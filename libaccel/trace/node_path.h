@@ -4,10 +4,11 @@
 // the node's sibling has been postponed, the next whether the uncle has, and so on; the key's bits say which turns were taken.
 // Going up to the nearest postponed node is one shift of both, by the number of the trail's trailing zeros.
 //
-// Widths. NodePath serves trees as deep as its words are wide, less one. DeepPath serves trees of any depth that a builder
-// makes: when 64 bits are full, their upper half moves to memory, and it comes back when the lower half is used up. [BK16],
-// section 3, keeps the overflow of each value in memory likewise. The window never has fewer than 32 turns while there are
-// others in memory, so whoever looks at the last bits of the trail finds them.
+// Widths. NodePath serves trees as deep as its words are wide, less one. PackedPath has two words of 32 bits in one of 64, so
+// that machines with such registers shift both at once; of its low bits, none but zeros cross from the trail into the key.
+// DeepPath serves trees of any depth that a builder makes: when 64 bits are full, their upper half moves to memory, and it
+// comes back when the lower half is used up. [BK16], section 3, keeps the overflow of each value in memory likewise. The window
+// never has fewer than 32 turns while there are others in memory, so whoever looks at the last bits of the trail finds them.
 //
 //   void begin();
 //   Word hashed_key() const;              // of 32 or 64 bits
@@ -32,8 +33,10 @@ namespace accel {
 ACCEL_HD int trailing_zeros(std::uint64_t bits) { return std::countr_zero(bits); }
 ACCEL_HD int trailing_zeros(std::uint32_t bits) { return std::countr_zero(bits); }
 
-template <class Word>
+template <class Bits>
 struct NodePath {
+  using Word = Bits;
+
   // What a traverser with such a path inherits.
   struct Traits {
     static constexpr std::uint32_t kMaxDepth = 8 * sizeof(Word) - 1;
@@ -70,7 +73,46 @@ struct NodePath {
   ACCEL_HD void cross() { trail ^= 1u, key ^= 1u; }
 };
 
+struct PackedPath {
+  using Word = std::uint64_t;
+  struct Traits {
+    static constexpr std::uint32_t kMaxDepth = kMaxDepth32;
+  };
+  static constexpr int kTrailAt = 32;
+  static constexpr Word kPostponed = Word{1} << kTrailAt;  // the trail's last bit
+
+  Word word;  // the trail above the key
+
+  ACCEL_HD void begin() { word = 1; }
+  ACCEL_HD std::uint32_t hashed_key() const { return static_cast<std::uint32_t>(word); }
+
+  template <class Observer>
+  ACCEL_HD void step_down(std::uint32_t side, bool postponed, std::uint64_t, Observer&) {
+    word = word * 2 + ((postponed ? kPostponed : 0) + side);
+  }
+  ACCEL_HD bool is_postponed(int level) const { return (word >> (kTrailAt + level) & 1u) != 0; }
+  ACCEL_HD bool is_finished() const { return word < kPostponed; }
+
+  template <class Observer>
+  ACCEL_HD void rise(int levels, Observer&) {
+    word >>= levels;
+  }
+  template <class Observer>
+  ACCEL_HD bool rise_to_postponed(Observer& observer) {
+    if (is_finished()) return false;
+    rise(trailing_zeros(static_cast<std::uint32_t>(word >> kTrailAt)), observer);
+    return true;
+  }
+  ACCEL_HD bool drop_postponed() {
+    word &= (word - kPostponed) | (kPostponed - 1);
+    return true;
+  }
+  ACCEL_HD void cross() { word ^= kPostponed | 1u; }
+};
+
 struct DeepPath {
+  using Word = std::uint64_t;
+
   // The upper halves of a full window.
   struct Half {
     std::uint64_t prefix;

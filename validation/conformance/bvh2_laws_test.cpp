@@ -3,7 +3,8 @@
 //
 // A traverser without a stack has no room for distances, so it enters postponed nodes that the stack version drops unread. So
 // hash, uncle and sibling visit what the stack version visits when it drops none, exactly; hash with the distance in its
-// register, or with the mask, drops some of what the stack version drops. Parent tests boxes again and visits
+// register, or with the mask, drops some of what the stack version drops; the more nodes it remembers, the more, and all of it
+// when none is forgotten. Parent tests boxes again and visits
 // what the stack version visits, exactly. Restart-trail visits the leaves that the stack version visits.
 #include <gtest/gtest.h>
 
@@ -17,6 +18,7 @@
 #include "libaccel/exec/drive.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/trace/bvh2_hash.h"
+#include "libaccel/trace/bvh2_hash_recent.h"
 #include "libaccel/trace/bvh2_parent.h"
 #include "libaccel/trace/bvh2_restart_trail.h"
 #include "libaccel/trace/bvh2_sibling.h"
@@ -119,6 +121,8 @@ class Laws {
     }
   }
   std::uint64_t look_ups() const { return look_ups_; }
+  std::uint64_t look_ups_of_one() const { return look_ups_of_one_; }
+  std::uint64_t look_ups_of_four() const { return look_ups_of_four_; }
 
  private:
   // Addresses as offsets.
@@ -147,6 +151,8 @@ class Laws {
     if (plain_.depth <= kMaxDepth32) check_path<NodePath<std::uint32_t>, kQuery>(ray, stack, dropping);
     if (plain_.depth <= kMaxDepth64) check_path<NodePath<std::uint64_t>, kQuery>(ray, stack, dropping);
     if (plain_.depth <= kMaxDepth64) check_shallow_trail<kQuery>(ray, dropping);
+    if (plain_.depth <= kMaxDepth32) check_recent<PackedPath, kQuery>(ray, stack, dropping);
+    if (plain_.depth <= kMaxDepth64) check_recent<NodePath<std::uint64_t>, kQuery>(ray, stack, dropping);
 
     expect_same(record<Bvh2Parent<Watertight, kQuery>>(parents_, parents_view_, ray), dropping, "parent");
     check_trail<true, 0, kQuery>(ray, dropping);
@@ -173,6 +179,25 @@ class Laws {
           record<Bvh2HashWith<Watertight, kQuery, Path, Bvh2HashOptions<true, true>>>(uncles_, uncles_view_, ray);
       expect_between(masked, dropping, stack, "mask");
     }
+  }
+
+  // Hash that remembers several nodes.
+  template <class Path, Query kQuery, std::uint32_t kCount>
+  Record check_recent(const Ray& ray, const Record& stack, const Record& dropping) {
+    const Record recent = record<Bvh2HashRecentWith<Watertight, kQuery, Path, kCount>>(uncles_, uncles_view_, ray);
+    expect_between(recent, dropping, stack, "recent");
+    EXPECT_LE(recent.look_ups, 2 * recent.backtracks);
+    return recent;
+  }
+  template <class Path, Query kQuery>
+  void check_recent(const Ray& ray, const Record& stack, const Record& dropping) {
+    const Record one = check_recent<Path, kQuery, 1>(ray, stack, dropping),
+                 four = check_recent<Path, kQuery, 4>(ray, stack, dropping),
+                 all = check_recent<Path, kQuery, 64>(ray, stack, dropping);
+    EXPECT_TRUE(is_within(four.nodes, one.nodes) && is_within(four.leaves, one.leaves));
+    EXPECT_EQ(all.look_ups, 0u) << "nothing is forgotten";
+    expect_same(all, dropping, "a ring that is long enough is a stack");
+    look_ups_of_one_ += one.look_ups, look_ups_of_four_ += four.look_ups;
   }
 
   template <bool kDeep, std::uint32_t kShort, Query kQuery>
@@ -205,18 +230,21 @@ class Laws {
   Bvh2 plain_, parents_, uncles_, all_hashed_;
   Bvh2View parents_view_, uncles_view_, all_hashed_view_;
   std::uint64_t look_ups_ = 0;
+  std::uint64_t look_ups_of_one_ = 0, look_ups_of_four_ = 0;  // of rings with so many nodes
 };
 
 TEST(Bvh2Laws, OnRandomTreesOverScenesThatHurt) {
-  std::uint64_t look_ups = 0;
+  std::uint64_t look_ups = 0, of_one = 0, of_four = 0;
   for (const StressScene& scene : stress_scenes(61)) {
     for (const TreeShape shape : {TreeShape::balanced, TreeShape::random, TreeShape::skewed}) {
       Laws laws(scene.name, random_bvh2(scene.mesh, 62, {.shape = shape}));
       laws.check(stress_rays(scene.mesh, 60, 63));
-      look_ups += laws.look_ups();
+      look_ups += laws.look_ups(), of_one += laws.look_ups_of_one(), of_four += laws.look_ups_of_four();
     }
   }
   EXPECT_GT(look_ups, 1000u) << "the test would say nothing about the hash";
+  EXPECT_GT(of_four, 1000u) << "nor about nodes that rings forget";
+  EXPECT_LT(of_four, of_one / 2);  // on the whole, not for every ray
 }
 
 TEST(Bvh2Laws, OnBuiltTrees) {
@@ -252,6 +280,8 @@ using Wide = NodePath<std::uint64_t>;
 static_assert(own_bytes<Bvh2HashWith<Watertight, Query::closest, Narrow>>() <= 32);
 static_assert(own_bytes<Bvh2HashWith<Watertight, Query::closest, Wide>>() <= 32);
 static_assert(own_bytes<Bvh2HashWith<Watertight, Query::closest, DeepPath>>() <= 48);
+using Recent = Bvh2HashRecentWith<Watertight, Query::closest, PackedPath, kRecentNodes>;
+static_assert(own_bytes<Recent>() <= 32 && sizeof(StackOf<Recent>) == 32);
 static_assert(own_bytes<Bvh2UncleWith<Watertight, Query::closest, Narrow>>() <= 32);
 static_assert(own_bytes<Bvh2SiblingWith<Watertight, Query::closest, Narrow>>() <= 16);
 static_assert(own_bytes<Bvh2Parent<Watertight, Query::closest>>() <= 16);

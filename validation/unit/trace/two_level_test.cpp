@@ -56,7 +56,13 @@ class TwoLevelTraversal : public testing::Test {
     return hits;
   }
 };
-using Kinds = testing::Types<Stack, Hash<NodePath<std::uint32_t>>, Hash<NodePath<std::uint64_t>>, Hash<DeepPath>>;
+template <class Path>
+struct HashRecent {
+  template <Query kQuery>
+  using Base = Bvh2HashRecentWith<Watertight, kQuery, Path, 2>;
+};
+using Kinds = testing::Types<Stack, Hash<NodePath<std::uint32_t>>, Hash<NodePath<std::uint64_t>>, Hash<DeepPath>,
+                             HashRecent<PackedPath>, HashRecent<NodePath<std::uint64_t>>>;
 TYPED_TEST_SUITE(TwoLevelTraversal, Kinds);
 
 void expect_same(const Hit& hit, const Hit& expected, const std::string& what) {
