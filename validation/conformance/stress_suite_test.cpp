@@ -2,7 +2,7 @@
 // many.
 #include <gtest/gtest.h>
 
-#include <ostream>
+#include <array>
 #include <string>
 
 #include "libaccel/registry/any_accel.h"
@@ -35,14 +35,19 @@ class StressSuite : public testing::TestWithParam<std::string> {
   static std::string first_case(const StressFailure& failure) {
     if (failure.cases.empty()) return {};
     const ReproCase& one = failure.cases.front();
-    return "; ray " + std::to_string(one.ray_number) + ", t " + std::to_string(one.ours.t) + ", " +
-           std::string(to_string(one.verdict));
+    const auto point = [](Vec3 v) { return testing::PrintToString(std::array{v.x, v.y, v.z}); };
+    const auto answer = [](const Hit& hit) {
+      return hit.valid() ? "triangle " + std::to_string(hit.prim_id) + " at " + testing::PrintToString(hit.t) : "a miss";
+    };
+    return ": " + std::string(to_string(one.verdict)) + " of ray " + std::to_string(one.ray_number) + " from " +
+           point(one.ray.org) + " along " + point(one.ray.dir) + ", " + answer(one.ours) +
+           (one.witness ? ", where the witness has " + answer(*one.witness) : "");
   }
 };
 
-TEST_P(StressSuite, Rays) { expect_family("rays", 300); }
-TEST_P(StressSuite, Geometry) { expect_family("geometry", 400); }
-TEST_P(StressSuite, Leaks) { expect_family("leaks", 600); }
+TEST_P(StressSuite, Rays) { expect_family("rays", 600); }
+TEST_P(StressSuite, Geometry) { expect_family("geometry", 600); }
+TEST_P(StressSuite, Leaks) { expect_family("leaks", 1500); }
 
 std::vector<std::string> all_methods() {
   std::vector<std::string> names;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "libaccel/build/grid.h"
 #include "libaccel/registry/any_accel.h"
 #include "validation/oracle/embree.h"
 #include "validation/stress/leaks.h"
@@ -22,7 +23,9 @@ double reference_limit(const MethodInfo& method, const BuildReport& report) {
   const BuildOptions defaults;
   const auto triangles = static_cast<double>(report.triangles);
   if (method.builder == "sbvh" || method.builder == "bvh8") return (1 + double{defaults.max_duplication}) * triangles;
-  if (method.builder == "kdtree" || method.builder == "grid") return double{defaults.max_references} * triangles;
+  const double most = double{defaults.max_references} * triangles;
+  if (method.builder == "kdtree") return most;
+  if (method.builder == "grid") return std::max(most, static_cast<double>(kFreeReferences));
   return 0;
 }
 
@@ -124,7 +127,9 @@ class CaseRun {
     if (!wrong.empty()) report(scene, "hits where there is nothing", std::move(wrong));
   }
 
-  // Copies are never named, so only the first of them need be tested. Where bits differ, exact arithmetic may excuse it.
+  // Copies are never named, so only the first of them need be tested. Where bits differ, exact arithmetic may excuse it: a hit
+  // that rounding moved out of its box may be found in the box of one copy, and cull the boxes of the others. A copy that is
+  // hit beyond doubt is never excused.
   Status expect_first(const StressScene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& hits) {
     const TriangleMesh firsts = without_copies(scene.mesh);
     const Result<AnyAccel> brute = AnyAccel::build(firsts, "brute/loop");
@@ -135,9 +140,12 @@ class CaseRun {
     std::vector<ReproCase> wrong;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (same_bits(hits[i], expected[i])) continue;
-      const Verdict verdict = judge.judge(rays[i], hits[i], judge.oracle().closest(rays[i]));
+      Hit first = hits[i];
+      if (first.valid()) first.prim_id %= static_cast<std::uint32_t>(firsts.size());
+      const Verdict verdict = judge.judge(rays[i], first, judge.oracle().closest(rays[i]));
+      const bool is_copy = first.prim_id != hits[i].prim_id;
       ++outcome_.ours.judged;
-      if (!is_failure(verdict)) continue;
+      if (!is_failure(verdict) && !(is_copy && verdict == Verdict::right)) continue;
       ++outcome_.ours.broken;
       if (wrong.size() < kMostReported) wrong.push_back({i, rays[i], verdict, hits[i], expected[i]});
     }
