@@ -1,6 +1,7 @@
 #include "validation/stress/laws.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -127,13 +128,26 @@ class LawCheck {
 
   // The determinant of Moeller and Trumbore's test grows with the third power of the scale, so its range is smaller.
   void scale() {
-    const std::vector<Hit> hits = closest(build(scene_.mesh), rays_);
-    for (const int k : subject_.is_watertight() ? std::vector{-40, -13, -1, 1, 6, 40} : std::vector{-8, -1, 1, 8}) {
+    const std::vector<int> exponents =
+        subject_.is_watertight() ? std::vector{-40, -13, -1, 1, 6, 40} : std::vector{-8, -1, 1, 8};
+    std::vector<Ray> scalable;
+    for (const Ray& ray : rays_)
+      if (is_exact(ray.org, exponents.front()) && is_exact(ray.dir, exponents.front())) scalable.push_back(ray);
+    scale(scalable, exponents);
+  }
+  // Whether scaling loses no bit to underflow.
+  static bool is_exact(Vec3 v, int k) {
+    const Vec3 there_and_back = scaled(scaled(v, k), -k);
+    return there_and_back.x == v.x && there_and_back.y == v.y && there_and_back.z == v.z;
+  }
+  void scale(const std::vector<Ray>& rays, const std::vector<int>& exponents) {
+    const std::vector<Hit> hits = closest(build(scene_.mesh), rays);
+    for (const int k : exponents) {
       const auto accel = build(with_vertices(scene_.mesh, [&](Vec3 v) { return scaled(v, k); }));
-      std::vector<Ray> both = rays_, scene_only = rays_;
-      for (std::size_t i = 0; i < rays_.size(); ++i) {
-        scene_only[i].org = both[i].org = scaled(rays_[i].org, k);
-        both[i].dir = scaled(rays_[i].dir, k);
+      std::vector<Ray> both = rays, scene_only = rays;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        scene_only[i].org = both[i].org = scaled(rays[i].org, k);
+        both[i].dir = scaled(rays[i].dir, k);
       }
       std::vector<Hit> expected = hits;
       const std::string times = "times 2^" + std::to_string(k);
@@ -246,20 +260,22 @@ class LawCheck {
       ++result_.different;
       if (!subject_.is_watertight()) continue;
       const HitsVerdict a = judge_hits(judge(), forth[i], there[i]), b = judge_hits(judge(), back[i], here[i]);
-      const bool undecided = a.edge + b.edge > 0 || has_doubtful_triangle(forth[i], there[i], here[i]);
-      if (a.failures() + b.failures() > 0 || !undecided)
+      if (a.failures() + b.failures() > 0 || !are_doubtful({forth[i], back[i]}, there[i], here[i]))
         violated(i, forth[i], there[i].empty() ? Hit{} : there[i][0], here[i].empty() ? Hit{} : here[i][0], "reversed");
     }
   }
-  // Whether a triangle that one list has and the other lacks may be missed: the ray passes it near an edge, or edge-on.
-  bool has_doubtful_triangle(const Ray& ray, const std::vector<Hit>& a, const std::vector<Hit>& b) {
+  // Whether rounding decides about all triangles that one list has and the other lacks: the segment passes them near an edge,
+  // or they are near one of its ends.
+  bool are_doubtful(const std::array<Ray, 2>& segment, const std::vector<Hit>& a, const std::vector<Hit>& b) {
     std::vector<std::uint32_t> only;
     const auto first = numbers_of(a), second = numbers_of(b);
     std::set_symmetric_difference(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(only));
-    return std::all_of(only.begin(), only.end(), [&](std::uint32_t prim) {
+    const auto is_sure = [&](std::uint32_t prim, const Ray& ray) {
       const TriangleBounds bounds = judge().bounds(ray, prim);
-      return bounds.near_any_edge() || !(bounds.t_lo > 0 && bounds.t_hi < 1);
-    });
+      return bounds.possible && !bounds.near_any_edge() && bounds.t_lo > 0 && bounds.t_hi < 1;
+    };
+    return std::none_of(only.begin(), only.end(),
+                        [&](std::uint32_t prim) { return is_sure(prim, segment[0]) && is_sure(prim, segment[1]); });
   }
 
   void any() {
@@ -327,9 +343,11 @@ LawResult& LawResult::operator+=(const LawResult& other) {
 }
 
 // Features of 2^-40 leave the range of the watertight test when they are scaled by 2^-40 (geometry/watertight.h); coordinates
-// at the limit leave the library's.
+// at the limit leave the library's. And from rays that start around all of the nested boxes, half of them are too far away for
+// what structures of cells promise (trace/cell_ray.h).
 bool has_range_for(Law law, const StressScene& scene) {
-  return law != Law::scale || (scene.name != "nested" && scene.name != "broken" && scene.name != "deep");
+  if (law == Law::scale) return scene.name != "nested" && scene.name != "broken";
+  return law != Law::unions || scene.name != "nested";
 }
 
 Result<LawResult> check_law(Law law, const StressScene& scene, const std::vector<Ray>& rays, const LawSubject& subject) {

@@ -46,7 +46,8 @@ struct LawResult {
   LawResult& operator+=(const LawResult& other);
 };
 
-// Whether the law can be asked on a scene: scaling takes the features of some out of the range of the triangle test.
+// Whether the law can be asked on a scene of stress_scenes(): scaling takes the features of some out of the range of the
+// triangle test.
 bool has_range_for(Law law, const StressScene& scene);
 
 // Errors: a build that fails.

@@ -43,7 +43,7 @@ Ray along_box(TargetPicker& pick) {
   for (int a = 0; a < 3; ++a) ray.org[a] = pick.rng().next_below(2) != 0 ? box.lo[a] : box.hi[a];
   ray.dir[axis] = ray.org[axis] == box.lo[axis] ? 1.0f : -1.0f;
   if (pick.rng().next_below(2) != 0) ray.dir[other] = pick.sign() * pick.rng().next_float();
-  if (pick.rng().next_below(2) != 0) ray.org = ray.org - ray.dir * (1.0f + pick.bounds().extent()[axis]);
+  if (pick.rng().next_below(2) != 0) ray.org = ray.org - ray.dir * (2.0f * pick.size());
   return ray;
 }
 
@@ -181,6 +181,8 @@ std::vector<Ray> rays_of_kind(RayKind kind, const TriangleMesh& mesh, std::size_
     return joined(stress_rays(mesh, count - count / 2, seed), cell_stress_rays(mesh, count / 2, seed));
   if (kind == RayKind::far_away)
     return joined(far_rays(mesh, 1e2f, count - count / 2, seed), far_rays(mesh, 1e3f, count / 2, seed + 1));
+  if (kind == RayKind::farther_away)
+    return joined(far_rays(mesh, 1e4f, count - count / 2, seed), far_rays(mesh, 1e6f, count / 2, seed + 1));
   const bool traceable = kind != RayKind::empty_intervals && kind != RayKind::not_rays;
   const RayTargets targets = ray_targets(mesh);
   std::vector<Ray> rays;

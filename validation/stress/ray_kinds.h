@@ -29,6 +29,7 @@ enum class RayKind : std::uint8_t {
   denormal_parts,       // some components are denormal
   in_triangles_planes,  // in the plane of a triangle, along an edge or across
   far_away,             // a hundred and a thousand times the scene's size away
+  farther_away,         // ten thousand and a million times
   not_rays,             // NaN, infinite, out of range, zero directions, empty intervals
 };
 

@@ -13,6 +13,9 @@ RayTargets ray_targets(const TriangleMesh& mesh) {
   }
   if (targets.triangles.empty()) targets.triangles.push_back({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}});
   for (const Triangle& t : targets.triangles) targets.bounds.extend(t.bounds());
+  const Vec3 extent = targets.bounds.extent();
+  const float largest = extent[largest_axis(extent)];
+  targets.size = largest > 0 ? largest : 1.0f;
   return targets;
 }
 
@@ -38,13 +41,15 @@ Vec3 TargetPicker::inside() {
 }
 
 Vec3 TargetPicker::around() {
-  const Vec3 extent = targets_.bounds.extent() + Vec3{0.1f, 0.1f, 0.1f};
+  const float margin = 0.1f * targets_.size;
+  const Vec3 extent = targets_.bounds.extent() + Vec3{margin, margin, margin};
   const Vec3 offset = random_in_cube(rng_, 1);
   return targets_.bounds.center() + extent * offset;
 }
 
 Vec3 TargetPicker::far_away() {
-  return targets_.bounds.center() + (targets_.bounds.extent() + Vec3{1, 1, 1}) * random_in_cube(rng_, 100);
+  const Vec3 extent = targets_.bounds.extent() + Vec3{targets_.size, targets_.size, targets_.size};
+  return targets_.bounds.center() + extent * random_in_cube(rng_, 100);
 }
 
 Vec3 TargetPicker::beside(Vec3 p) {
@@ -59,7 +64,7 @@ Ray TargetPicker::axis_parallel(Vec3 point) {
   const int along = axis();
   Ray ray{.org = point, .dir = {zero(), zero(), zero()}};
   ray.dir[along] = sign();
-  if (rng_.next_below(4) != 0) ray.org[along] -= ray.dir[along] * (2.0f * targets_.bounds.extent()[along] + 1.0f);
+  if (rng_.next_below(4) != 0) ray.org[along] -= ray.dir[along] * (2.0f * targets_.bounds.extent()[along] + targets_.size);
   return ray;
 }
 

@@ -16,6 +16,7 @@ namespace accel::validation {
 struct RayTargets {
   std::vector<Triangle> triangles;
   Aabb bounds;
+  float size;  // the largest extent; 1 where it is 0
 };
 
 RayTargets ray_targets(const TriangleMesh& mesh);
@@ -27,6 +28,7 @@ class TargetPicker {
 
   CounterRng& rng() { return rng_; }
   const Aabb& bounds() const { return targets_.bounds; }
+  float size() const { return targets_.size; }
 
   const Triangle& triangle();
   Vec3 vertex();

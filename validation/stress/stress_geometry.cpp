@@ -91,6 +91,9 @@ std::vector<StressScene> usual_scenes(SceneSize size, std::uint64_t seed) {
   return scenes;
 }
 
+std::vector<StressScene> assorted_scenes(SceneSize, std::uint64_t seed) { return stress_scenes(seed); }
+std::vector<StressScene> lattices(SceneSize, std::uint64_t seed) { return cell_stress_scenes(seed); }
+
 std::vector<StressScene> scaled_scenes(SceneSize size, std::uint64_t seed) {
   std::vector<StressScene> scenes = usual_scenes(size, seed), result;
   for (const int k : {-40, -17, 17, 40})

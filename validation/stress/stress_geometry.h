@@ -15,6 +15,8 @@ using SceneMaker = std::vector<StressScene> (*)(SceneSize, std::uint64_t seed);
 
 std::vector<StressScene> empty_scenes(SceneSize, std::uint64_t);
 std::vector<StressScene> usual_scenes(SceneSize, std::uint64_t);           // what most kinds of rays are traced through
+std::vector<StressScene> assorted_scenes(SceneSize, std::uint64_t);        // stress_scenes()
+std::vector<StressScene> lattices(SceneSize, std::uint64_t);               // cell_stress_scenes()
 std::vector<StressScene> scaled_scenes(SceneSize, std::uint64_t);          // by 2^-40 to 2^40
 std::vector<StressScene> translated_scenes(SceneSize, std::uint64_t);      // closed meshes at 0, 1, 1e2, 1e4
 std::vector<StressScene> far_translated_scenes(SceneSize, std::uint64_t);  // and at 1e6
