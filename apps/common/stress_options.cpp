@@ -15,8 +15,8 @@ namespace accel::apps {
 namespace {
 
 constexpr const char* kDescription =
-    "Stress-tests the numerical stability of methods: rays and scenes that hurt, laws that must hold, leaks\n"
-    "through closed meshes; every case with what is expected of it, beside Embree on the same rays.\n"
+    "Stress-tests the numerical stability of methods: rays and scenes that hurt, laws that must hold,\n"
+    "leaks through closed meshes; every case with what is expected of it, beside Embree on the same rays.\n"
     "(A scene in a file named stress is ./stress.)";
 
 constexpr const char* kExamples =
