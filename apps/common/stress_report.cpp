@@ -135,13 +135,13 @@ std::string failures_section(const StressReport& report, const StressSettings& s
 }  // namespace
 
 std::string stress_listing() {
-  Table table({{"CASE", Align::left}, {"what", Align::left}});
+  Table table({{"CASE", Align::left}, {"what is traced, and what is expected", Align::left}});
   std::string_view family;
   for (const StressCase& one : validation::stress_cases()) {
     if (!family.empty() && family != one.family()) table.add_gap();
     family = one.family();
     table.add_row({std::string(one.name), std::string(one.what)});
-    table.add_row({"", "expected: " + std::string(one.expectation)});
+    table.add_row({"", "  -> " + std::string(one.expectation)});
   }
   return table.text();
 }
