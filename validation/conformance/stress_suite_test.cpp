@@ -45,9 +45,9 @@ class StressSuite : public testing::TestWithParam<std::string> {
   }
 };
 
-TEST_P(StressSuite, Rays) { expect_family("rays", 600); }
-TEST_P(StressSuite, Geometry) { expect_family("geometry", 600); }
-TEST_P(StressSuite, Leaks) { expect_family("leaks", 1500); }
+TEST_P(StressSuite, Rays) { expect_family("rays", 400); }
+TEST_P(StressSuite, Geometry) { expect_family("geometry", 400); }
+TEST_P(StressSuite, Leaks) { expect_family("leaks", 1200); }
 
 std::vector<std::string> all_methods() {
   std::vector<std::string> names;

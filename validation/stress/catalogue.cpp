@@ -10,7 +10,7 @@ constexpr std::string_view kMisses = "all misses";
 constexpr std::string_view kNoLeak = "no leak, no miss, no farther and no false hit";
 constexpr std::string_view kFirst = "the bits of brute force over one copy: lowest number wins";
 constexpr std::string_view kBudget = "clean; references within max_duplication, max_references";
-constexpr std::string_view kSinglePrecisionEnds = "none: vertices collapse, and with them triangles, which are dropped";
+constexpr std::string_view kSinglePrecisionEnds = "none: vertices collapse; triangles without area are dropped";
 constexpr std::string_view kSame = "the same hits, but where exact arithmetic excuses both";
 
 StressCase rays(std::string_view name, std::string_view what, RayKind kind, Expected expected = Expected::clean) {
