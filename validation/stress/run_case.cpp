@@ -83,7 +83,8 @@ class CaseRun {
   }
 
   Status trace(const StressScene& scene, std::uint64_t count) {
-    const Result<AnyAccel> accel = AnyAccel::build(scene.mesh, run_.method, {.threads = run_.threads});
+    const Result<AnyAccel> accel =
+        AnyAccel::build(scene.mesh, run_.method, {.threads = run_.threads, .progress = run_.progress});
     if (!accel) return accel.error();
     check_budget(scene, accel->report());
     const std::vector<Ray> rays = rays_of_kind(case_.rays, scene.mesh, count, run_.seed);
