@@ -25,7 +25,7 @@ constexpr const char* kExamples =
     "  accel-trace stress --list                          what is traced, and what is expected\n"
     "  accel-trace stress --case leaks --method best --rays 1e9 --resume leaks.state\n"
     "                                                     does anything leak? Go on later from the file\n"
-    "  accel-trace stress --hours 8 --seed 2 --json -     more and more rays, larger scenes, until morning\n"
+    "  accel-trace stress --hours 8 --seed 2 --json -     more rays and larger scenes until morning\n"
     "\n"
     "Exit status: 0 all is as expected, 1 failure, 2 bad command line, 3 something is not as expected,\n"
     "130 interrupted (143 by SIGTERM).";
