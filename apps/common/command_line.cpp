@@ -51,8 +51,9 @@ std::string quoted(const std::string& argument) {
 // The first argument that no option took, with the option that was probably meant.
 Failure unexpected(const CLI::App& app, const std::string& argument) {
   if (argument.rfind("-", 0) != 0)
-    return {ExitStatus::usage,
-            "unexpected argument '" + argument + "'; one scene is expected, and lists are separated by commas"};
+    return {ExitStatus::usage, "unexpected argument '" + argument + "'; " +
+                                   (app.get_option_no_throw("SCENE") != nullptr ? "one scene is expected, and " : "") +
+                                   "lists are separated by commas"};
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);

@@ -33,6 +33,7 @@ constexpr const char* kExamples =
     "  accel-trace scene.accel --rays mine.npy --hits-out hits.npy --check none\n"
     "                                                     rays and hits of your own, for NumPy\n"
     "  accel-trace scene.ply --profile simt --json -      for scripts, in Google Benchmark's shape\n"
+    "  accel-trace stress --help                          stress tests of numerical stability\n"
     "\n"
     "Exit status: 0 all is well, 1 bad input or failure, 2 bad command line, 3 a wrong hit was found,\n"
     "5 a backend is not built in or has no device, 130 interrupted (143 by SIGTERM).";

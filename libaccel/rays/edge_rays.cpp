@@ -3,6 +3,7 @@
 
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/geometry/mesh_facts.h"
+#include "libaccel/rays/aim.h"
 #include "libaccel/rays/fill.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/rays/scene_box.h"
@@ -30,12 +31,6 @@ Vec3 draw_target(const Triangle& triangle, bool vertex, CounterRng& rng) {
   if (vertex) return corners[from];
   const double share = (1 + rng.next_below(7)) / 8.0;
   return (Vec3d(corners[from]) * (1 - share) + Vec3d(corners[(from + 1) % 3]) * share).to_float();
-}
-
-// A ray with org + 1 * dir == target where floats permit it: dir is the rounded difference, and the origin takes up its error.
-Ray aim(Vec3 org, Vec3 target) {
-  const Vec3 dir = (Vec3d(target) - Vec3d(org)).to_float();
-  return {.org = (Vec3d(target) - Vec3d(dir)).to_float(), .dir = dir};
 }
 
 }  // namespace

@@ -567,6 +567,76 @@ test_interrupted_build_leaves_nothing() {
   [ "$(ls -A | sort | tr '\n' ' ')" = "err out " ] || fail "something was left behind: $(ls -A)"
 }
 
+stress() { "$ACCEL_TRACE" stress --threads 2 "$@"; }
+
+test_stress_list() {
+  expect 0 stress --list; says out leaks/1e4; says out "  -> no leak"; says out laws/scale; is_silent err
+  cp out list
+  expect 0 stress --help; says out --resume; says out "Exit status:"
+  [ "$(cat list out | awk '{ if (length($0) > most) most = length($0) } END { print most + 0 }')" -le 100 ] || fail "a line is too long"
+}
+
+test_stress_table() {
+  expect 0 stress --case rays/vertices,geometry/empty,laws/any,leaks --method bvh8/ordered,kdtree/stack --rays 600
+  for text in rays/vertices geometry/empty laws/any leaks/1e6 "2 methods" "no leak" measured ok; do says out "$text"; done
+  lacks out FAIL; is_silent err
+  ! has embree || says out "Embree robust"
+  [ "$(awk '{ if (length($0) > most) most = length($0) } END { print most }' out)" -le 100 ] || fail "the table is wider than 100 columns"
+  expect 0 stress --case rays/edges --method bvh/stack,sbvh/stack --rays 300 --witness none --verbose
+  lacks out Embree; says out sbvh/stack; says out bvh/stack
+}
+
+# Rounds depend on the seed alone: a run that goes on counts what one in one go does.
+test_stress_resumes() {
+  needs_python
+  expect 0 stress --case leaks/1,rays/edges --method best --rays 5120 --json whole.json
+  expect 0 stress --case leaks/1,rays/edges --method best --rays 1024 --resume state
+  expect 0 stress --case leaks/1,rays/edges --method best --rays 5120 --resume state --json parts.json
+  json parts.json 'j["stress"] == json.load(open("whole.json"))["stress"] and len(j["stress"]) >= 2'
+  json parts.json 'all(r["rounds"] == 2 and r["rays"] >= 5000 for r in j["stress"] if r["engine"] == "bvh8/ordered")'
+  expect 0 stress --case leaks/1,rays/edges --method best --rays 5120 --resume state --json -
+  json out 'j["context"]["executable"] == "accel-trace stress" and all(r["ok"] for r in j["stress"] if "ok" in r)'
+  input_error stress --case leaks/1 --rays 1024 --seed 7 --resume state; says err "seed 1"
+  echo nonsense >state; input_error stress --case leaks/1 --rays 1024 --resume state; says err "state"
+  echo '{"format": "accel-trace stress, 1", "seed": 1}' >state; input_error stress --case leaks/1 --resume state; says err "damaged"
+}
+
+test_stress_interrupted_leaves_a_state() {
+  needs_python
+  interrupted_by INT 130 "$ACCEL_TRACE" stress --case leaks --method brute/loop --rays 1e9 --resume state
+  says err "--resume state"
+  json state 'j["seed"] == 1 and sum(e["rays"] for e in j["entries"]) > 0'
+  [ "$(ls -A | sort | tr '\n' ' ')" = "err out state " ] || fail "something was left behind: $(ls -A)"
+}
+
+test_stress_hours_end() {
+  expect 0 stress --case rays/edges --method bvh/stack --hours 0.0003; says out "ok"
+}
+
+# A state in which a run has counted a failure stays one that has failed, with a status that says so.
+test_stress_failure_is_status_3() {
+  needs_python
+  expect 0 stress --case rays/edges --method bvh/stack --rays 500 --resume state
+  python3 -c 'import json; j = json.load(open("state")); j["entries"][-1]["miss"] = 2; json.dump(j, open("state", "w"))'
+  expect 3 stress --case rays/edges --method bvh/stack --rays 500 --resume state
+  one_line_error; says err "not as expected"; says out FAIL
+  [ "$(head -n 1 out)" = "NOT AS EXPECTED" ] || fail "failures do not come first"
+}
+
+test_stress_usage() {
+  usage_error stress --case leeks; says err "did you mean 'leaks'?"
+  usage_error stress --method bvh/stak; says err "did you mean 'bvh/stack'?"
+  usage_error stress --rays 1.5; says err --rays
+  usage_error stress --rays many; says err --rays
+  usage_error stress --hours 0; says err --hours
+  usage_error stress --witness judge; says err --witness
+  usage_error stress quad.obj; says err quad.obj
+  # Only the first argument is a command; a scene of this name is a file like any other.
+  quad; cp quad.obj stress.obj
+  expect 0 trace ./stress.obj; says out "2 triangles"
+  input_error trace ./stress; says err "./stress"
+}
+
 test_progress() {
   expect 0 trace builtin:cornell --progress always; says err "%"
   expect 0 trace builtin:cornell --progress never; is_silent err

@@ -1,5 +1,5 @@
-// Both ends of a ray's interval belong to it, whatever the method: a hit at t is found by [0, t] and by [t, inf], and by
-// nothing that stops one float short of it.
+// What lies in front of a ray's interval does not matter, and what lies behind it is found as brute force finds it. That both
+// ends belong to it is a law: laws_test.cpp.
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -46,43 +46,6 @@ class Interval : public MethodTest {
     return rays;
   }
 };
-
-TEST_P(Interval, HoldsItsEnd) {
-  for (const StressScene& scene : stress_scenes()) {
-    const AnyAccel accel = build(scene.mesh);
-    const HitRays found = rays_that_hit(accel, scene.mesh);
-    const std::vector<Ray> rays = with_intervals(found, [](float t) { return std::pair(0.0f, t); });
-    expect_same(scene.name, Judge(scene.mesh), rays, closest(accel, rays), found.hits);
-  }
-}
-
-TEST_P(Interval, HoldsItsStart) {
-  for (const StressScene& scene : stress_scenes()) {
-    const AnyAccel accel = build(scene.mesh);
-    const HitRays found = rays_that_hit(accel, scene.mesh);
-    const std::vector<Ray> rays = with_intervals(found, [](float t) { return std::pair(t, kInfinity); });
-    expect_same(scene.name, Judge(scene.mesh), rays, closest(accel, rays), found.hits);
-  }
-}
-
-TEST_P(Interval, MayBeASinglePoint) {
-  for (const StressScene& scene : stress_scenes()) {
-    const AnyAccel accel = build(scene.mesh);
-    const HitRays found = rays_that_hit(accel, scene.mesh);
-    const std::vector<Ray> rays = with_intervals(found, [](float t) { return std::pair(t, t); });
-    expect_same(scene.name, Judge(scene.mesh), rays, closest(accel, rays), found.hits);
-  }
-}
-
-TEST_P(Interval, EndsAtItsEnd) {
-  for (const StressScene& scene : stress_scenes()) {
-    const AnyAccel accel = build(scene.mesh);
-    const HitRays found = rays_that_hit(accel, scene.mesh);
-    const std::vector<Ray> rays = with_intervals(found, [](float t) { return std::pair(0.0f, next_down(t)); });
-    const std::vector<std::uint8_t> any = occluded(accel, rays);
-    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(any[i], 0) << scene.name << ", ray " << i;
-  }
-}
 
 TEST_P(Interval, StartsAtItsStart) {
   for (const StressScene& scene : stress_scenes()) {

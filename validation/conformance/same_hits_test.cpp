@@ -42,16 +42,6 @@ TEST_P(SameHits, AsBruteForceForDenormalDirections) {
   }
 }
 
-TEST_P(SameHits, AnyHitIffClosestHit) {
-  for (const StressScene& scene : stress_scenes(3)) {
-    const std::vector<Ray> rays = stress_rays(scene.mesh, 2000, 2);
-    const AnyAccel accel = build(scene.mesh);
-    const std::vector<Hit> hits = closest(accel, rays);
-    const std::vector<std::uint8_t> any = occluded(accel, rays);
-    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(any[i] != 0, hits[i].valid()) << scene.name << ", ray " << i;
-  }
-}
-
 TEST_P(SameHits, SingleRaysAsBatches) {
   if (GetParam().test != triangle_tests().front()) GTEST_SKIP() << "single rays use the first test";
   for (const StressScene& scene : stress_scenes(4)) {

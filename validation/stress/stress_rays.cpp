@@ -3,131 +3,61 @@
 #include <cmath>
 #include <limits>
 
-#include "libaccel/core/aabb.h"
 #include "validation/stress/hostile_floats.h"
+#include "validation/stress/ray_targets.h"
 
 namespace accel::validation {
 
 namespace {
 
-// What rays are aimed at: the usable triangles of a mesh, or a triangle of the unit cube where there are none.
-struct Targets {
-  std::vector<Triangle> triangles;
-  Aabb bounds;
-};
+Ray aimed(Vec3 org, Vec3 target) { return {.org = org, .dir = target - org}; }
 
-Targets targets_of(const TriangleMesh& mesh) {
-  Targets targets;
-  for (std::size_t i = 0; i < mesh.size(); ++i) {
-    const Triangle t = mesh.triangle(i);
-    if (in_range(t.v0) && in_range(t.v1) && in_range(t.v2)) targets.triangles.push_back(t);
-  }
-  if (targets.triangles.empty()) targets.triangles.push_back({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}});
-  for (const Triangle& t : targets.triangles) targets.bounds.extend(t.bounds());
-  return targets;
+// In a plane of constant coordinate through a vertex.
+Ray in_a_plane(TargetPicker& pick) {
+  const int axis = pick.axis();
+  Ray ray = aimed(pick.around(), pick.vertex());
+  ray.org[axis] += ray.dir[axis], ray.dir[axis] = pick.zero();
+  ray.org[axis] = pick.vertex()[axis];
+  return ray;
 }
 
-class RayMaker {
- public:
-  RayMaker(const Targets& targets, std::uint64_t seed, std::uint64_t element) : targets_(targets), rng_(seed, element) {}
+constexpr std::uint64_t kKinds = 11;
 
-  Ray make(std::uint64_t kind) {
-    switch (kind) {
-      case 0:
-        return aimed(around(), vertex());
-      case 1:
-        return aimed(around(), on_edge());
-      case 2:
-        return aimed(around(), inside());
-      case 3:
-        return {.org = around(), .dir = random_in_cube(rng_, 1)};
-      case 4:
-        return {.org = inside(), .dir = random_in_cube(rng_, 1)};  // starts on a surface
-      case 5:
-        return {.org = vertex(), .dir = random_in_cube(rng_, 1)};
-      case 6:
-        return aimed(vertex(), vertex());
-      case 7:
-        return axis_parallel(vertex());  // along faces of boxes, and where trees split
-      case 8:
-        return axis_parallel(inside());
-      case 9:
-        return in_a_plane();
-      default:
-        return aimed(far_away(), inside());
-    }
+Ray make(TargetPicker& pick, std::uint64_t kind) {
+  switch (kind) {
+    case 0:
+      return aimed(pick.around(), pick.vertex());
+    case 1:
+      return aimed(pick.around(), pick.on_edge());
+    case 2:
+      return aimed(pick.around(), pick.inside());
+    case 3:
+      return {.org = pick.around(), .dir = random_in_cube(pick.rng(), 1)};
+    case 4:
+      return {.org = pick.inside(), .dir = random_in_cube(pick.rng(), 1)};  // starts on a surface
+    case 5:
+      return {.org = pick.vertex(), .dir = random_in_cube(pick.rng(), 1)};
+    case 6:
+      return aimed(pick.vertex(), pick.vertex());
+    case 7:
+      return pick.axis_parallel(pick.vertex());  // along faces of boxes, and where trees split
+    case 8:
+      return pick.axis_parallel(pick.inside());
+    case 9:
+      return in_a_plane(pick);
+    default:
+      return aimed(pick.far_away(), pick.inside());
   }
-  static constexpr std::uint64_t kKinds = 11;
-
-  Ray make_nearly_parallel(int lowest, int highest) {
-    Ray ray = axis_parallel(inside());
-    for (int a = 0; a < 3; ++a)
-      if (ray.dir[a] == 0.0f) ray.dir[a] = random_over_exponents(rng_, lowest, highest);
-    return ray;
-  }
-
- private:
-  const Triangle& triangle() {
-    return targets_.triangles[rng_.next_below(static_cast<std::uint32_t>(targets_.triangles.size()))];
-  }
-  Vec3 vertex() { return (&triangle().v0)[rng_.next_below(3)]; }
-
-  Vec3 on_edge() {
-    const Triangle& t = triangle();
-    const std::uint32_t first = rng_.next_below(3);
-    const Vec3 a = (&t.v0)[first], b = (&t.v0)[(first + 1) % 3];
-    const float s = static_cast<float>(1 + rng_.next_below(7)) * 0.125f;
-    return a * (1.0f - s) + b * s;
-  }
-
-  Vec3 inside() {
-    const Triangle& t = triangle();
-    float u = rng_.next_float(), v = rng_.next_float();
-    if (u + v > 1.0f) u = 1.0f - u, v = 1.0f - v;
-    return t.v0 * (1.0f - u - v) + t.v1 * u + t.v2 * v;
-  }
-
-  Vec3 around() {
-    const Vec3 extent = targets_.bounds.extent() + Vec3{0.1f, 0.1f, 0.1f};
-    const Vec3 offset = random_in_cube(rng_, 1);
-    return targets_.bounds.center() + extent * offset;
-  }
-  Vec3 far_away() { return targets_.bounds.center() + (targets_.bounds.extent() + Vec3{1, 1, 1}) * random_in_cube(rng_, 100); }
-
-  static Ray aimed(Vec3 org, Vec3 target) { return {.org = org, .dir = target - org}; }
-
-  float zero() { return (rng_.next_u64() & 1) != 0 ? 0.0f : -0.0f; }
-  float sign() { return (rng_.next_u64() & 1) != 0 ? 1.0f : -1.0f; }
-
-  // Through a point, along an axis, from outside of the scene or from the point itself.
-  Ray axis_parallel(Vec3 point) {
-    const int axis = static_cast<int>(rng_.next_below(3));
-    Ray ray{.org = point, .dir = {zero(), zero(), zero()}};
-    ray.dir[axis] = sign();
-    if (rng_.next_below(4) != 0) ray.org[axis] -= ray.dir[axis] * (2.0f * targets_.bounds.extent()[axis] + 1.0f);
-    return ray;
-  }
-
-  // In a plane of constant coordinate through a vertex.
-  Ray in_a_plane() {
-    const int axis = static_cast<int>(rng_.next_below(3));
-    Ray ray = aimed(around(), vertex());
-    ray.org[axis] += ray.dir[axis], ray.dir[axis] = zero();
-    ray.org[axis] = vertex()[axis];
-    return ray;
-  }
-
-  const Targets& targets_;
-  CounterRng rng_;
-};
+}
 
 }  // namespace
 
 std::vector<Ray> stress_rays(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
-  const Targets targets = targets_of(mesh);
+  const RayTargets targets = ray_targets(mesh);
   std::vector<Ray> rays;
   for (std::uint64_t i = 0; i < count; ++i) {
-    const Ray ray = RayMaker(targets, seed, i).make(i % RayMaker::kKinds);
+    TargetPicker pick(targets, seed, i);
+    const Ray ray = make(pick, i % kKinds);
     if (is_traceable(ray)) rays.push_back(ray);
   }
   return rays;
@@ -135,9 +65,15 @@ std::vector<Ray> stress_rays(const TriangleMesh& mesh, std::size_t count, std::u
 
 std::vector<Ray> nearly_parallel_rays(const TriangleMesh& mesh, int lowest, int highest, std::size_t count,
                                       std::uint64_t seed) {
-  const Targets targets = targets_of(mesh);
+  const RayTargets targets = ray_targets(mesh);
   std::vector<Ray> rays;
-  for (std::uint64_t i = 0; i < count; ++i) rays.push_back(RayMaker(targets, seed, i).make_nearly_parallel(lowest, highest));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    TargetPicker pick(targets, seed, i);
+    Ray ray = pick.axis_parallel(pick.inside());
+    for (int a = 0; a < 3; ++a)
+      if (ray.dir[a] == 0.0f) ray.dir[a] = random_over_exponents(pick.rng(), lowest, highest);
+    rays.push_back(ray);
+  }
   return rays;
 }
 
