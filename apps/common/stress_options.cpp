@@ -80,7 +80,8 @@ void add_once(std::vector<T>& list, const T& value) {
 Finished parse_methods(const std::string& text, std::vector<std::string>& names) {
   for (const std::string& name : split(text, ',')) {
     if (name == "all") {
-      for (const MethodInfo& m : methods()) add_once(names, m.name);
+      for (const MethodInfo& m : methods())
+        if (m.robust) add_once(names, m.name);
       continue;
     }
     const Result<std::string> found = find_method(name);

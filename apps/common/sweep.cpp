@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "apps/common/table.h"
 #include "apps/common/text.h"
@@ -97,6 +98,60 @@ std::string rate_cell(const Rate& rate) {
 
 std::string ulp_cell(const TraceRow& row, double ulp) { return row.check->errors.samples > 0 ? short_number(ulp) : ""; }
 
+// What is worth a line: the front, Embree, and of each structure the fastest configuration that is promised.
+class WorthALine {
+ public:
+  explicit WorthALine(bool all) : all_(all) {}
+
+  // Of rows that come in the order of their speed.
+  bool operator()(const TraceRow& row) {
+    const bool is_first_of_structure = row.promised && structures_.insert(row.structure).second;
+    return all_ || row.point->on_front || !is_ours(row) || is_first_of_structure;
+  }
+
+ private:
+  bool all_;
+  std::set<std::size_t> structures_;
+};
+
+std::string plane_table(const TraceReport& report, const std::string& kind, bool all) {
+  Table table({{"", Table::Align::left},
+               {"configuration", Table::Align::left},
+               {"ns/ray"},
+               {"instr."},
+               {"x Embree"},
+               {"wrong/M"},
+               {"leaks/M"},
+               {"ulp p50"},
+               {"p99"},
+               {"max"},
+               {"B/tri"},
+               {"build"}});
+  const TraceRow* embree = report.embree_row(kind);
+  const auto triangles = static_cast<double>(std::max<std::uint64_t>(report.triangles, 1));
+  WorthALine is_worth_a_line(all);
+  std::size_t hidden = 0;
+  for (const TraceRow* row : rows_of(report, kind)) {
+    if (!is_worth_a_line(*row)) {
+      ++hidden;
+      continue;
+    }
+    const SweepPoint& point = *row->point;
+    const StructureRow& structure = report.structures[row->structure];
+    const auto& errors = row->check->errors;
+    table.add_row({point.on_front ? "*" : "", row->configuration(), short_number(point.ns_per_ray),
+                   row->instructions ? short_number(*row->instructions) : "",
+                   embree != nullptr && embree->point ? print("%.2f", embree->point->ns_per_ray / point.ns_per_ray) : "",
+                   rate_cell(point.error), rate_cell(point.leaks), ulp_cell(*row, errors.t_ulp_p50),
+                   ulp_cell(*row, errors.t_ulp_p99), ulp_cell(*row, errors.t_ulp_max),
+                   short_number(static_cast<double>(structure.bytes) / triangles),
+                   structure.build_seconds > 0 ? seconds_text(structure.build_seconds) : ""});
+  }
+  if (hidden == 0) return table.text();
+  return table.text() + "  " + counted(hidden, "configuration") + (hidden == 1 ? " that is" : " that are") +
+         " slower and no better left out; --verbose and --json have all\n";
+}
+
 }  // namespace
 
 std::vector<Configuration> configurations(const MethodSet& set, const TraceSettings& settings, std::vector<Skip>& skipped) {
@@ -148,44 +203,10 @@ void place_on_plane(TraceReport& report, const TraceSettings& settings) {
 std::string sweep_section(const TraceReport& report, const TraceSettings& settings, const Terminal& terminal) {
   std::string text;
   for (const Advice& advice : report.advice) {
-    Table table({{"", Table::Align::left},
-                 {"configuration", Table::Align::left},
-                 {"ns/ray"},
-                 {"instr."},
-                 {"x Embree"},
-                 {"wrong/M"},
-                 {"leaks/M"},
-                 {"ulp p50"},
-                 {"p99"},
-                 {"max"},
-                 {"B/tri"},
-                 {"build"}});
-    const TraceRow* embree = report.embree_row(advice.rays_kind);
-    std::size_t hidden = 0;
-    for (const TraceRow* row : rows_of(report, advice.rays_kind)) {
-      const SweepPoint& point = *row->point;
-      const bool shown = point.on_front || !is_ours(*row) || row->promised || settings.common.verbosity == Verbosity::verbose;
-      if (!shown) {
-        ++hidden;
-        continue;
-      }
-      const StructureRow& structure = report.structures[row->structure];
-      const auto& errors = row->check->errors;
-      table.add_row({point.on_front ? "*" : "", row->configuration(), short_number(point.ns_per_ray),
-                     row->instructions ? short_number(*row->instructions) : "",
-                     embree != nullptr && embree->point ? print("%.2f", embree->point->ns_per_ray / point.ns_per_ray) : "",
-                     rate_cell(point.error), rate_cell(point.leaks), ulp_cell(*row, errors.t_ulp_p50),
-                     ulp_cell(*row, errors.t_ulp_p99), ulp_cell(*row, errors.t_ulp_max),
-                     short_number(static_cast<double>(structure.bytes) /
-                                  static_cast<double>(std::max<std::uint64_t>(report.triangles, 1))),
-                     structure.build_seconds > 0 ? seconds_text(structure.build_seconds) : ""});
-    }
     text += "\n" + terminal.styled("Run time against error, " + advice.rays_kind + " rays", Style::strong) +
-            "  (* on the front; errors of these and of edge rays)\n" + table.text();
-    if (hidden > 0)
-      text += "  " + counted(hidden, "configuration") + " behind the front " + (hidden == 1 ? "is" : "are") +
-              " left out; --verbose and --json have all\n";
-    text += "  " + terminal.styled("Advice: ", Style::strong) + advice.text + "\n";
+            "  (* on the front; errors of these and of edge rays)\n" +
+            plane_table(report, advice.rays_kind, settings.common.verbosity == Verbosity::verbose);
+    text += wrapped("Advice: " + advice.text, kTableWidth, "  ");
   }
   return text;
 }

@@ -58,6 +58,18 @@ std::string counted(std::uint64_t count, std::string_view noun) {
 
 std::string it_has(std::uint64_t count) { return count == 1 ? "it has" : "they have"; }
 
+std::string wrapped(std::string_view text, std::size_t width, std::string_view indent) {
+  std::string lines, line;
+  for (const std::string& word : split(text, ' ')) {
+    if (!line.empty() && indent.size() + line.size() + 1 + word.size() > width) {
+      lines += std::string(indent) + line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return line.empty() ? lines : lines + std::string(indent) + line + "\n";
+}
+
 std::vector<std::string> split(std::string_view text, char separator) {
   constexpr std::string_view kSpace = " \t\r\n";
   std::vector<std::string> parts;

@@ -29,6 +29,9 @@ std::string counted(std::uint64_t count, std::string_view noun);
 // What goes on about counted things: "it has", "they have".
 std::string it_has(std::uint64_t count);
 
+// The text in lines of at most `width` columns, broken at spaces, each indented and ended.
+std::string wrapped(std::string_view text, std::size_t width, std::string_view indent);
+
 // The parts of `text` between separators, without white space at their ends. Empty parts are kept.
 std::vector<std::string> split(std::string_view text, char separator);
 

@@ -51,5 +51,12 @@ TEST(Text, JoinAndCount) {
   EXPECT_EQ(counted(1000, "ray"), "1,000 rays");
 }
 
+TEST(Text, WrapsAtSpaces) {
+  EXPECT_EQ(wrapped("one two three", 9, "  "), "  one two\n  three\n");
+  EXPECT_EQ(wrapped("one two three", 100, ""), "one two three\n");
+  EXPECT_EQ(wrapped("a-word-that-is-too-long for it", 8, ""), "a-word-that-is-too-long\nfor it\n");
+  EXPECT_EQ(wrapped("", 8, "  "), "");
+}
+
 }  // namespace
 }  // namespace accel::apps

@@ -200,6 +200,12 @@ Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method,
   return out_of_memory("binding a structure to a method");
 }
 
+Result<AnyAccel> AnyAccel::with_method(std::string_view method) const try {
+  return bind(structure(), method, report());
+} catch (const std::bad_alloc&) {
+  return out_of_memory("binding a structure to a method");
+}
+
 Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const TraceOptions& options) const try {
   const auto test = tracer(options.test);
   if (!test) return test.error();

@@ -80,7 +80,7 @@ class AnyAccel {
   bool is_tuned_for(std::string_view test) const;
 
   // Fails if the traverser cannot trace this structure: wrong kind, or too deep for its stack.
-  Result<AnyAccel> with_method(std::string_view method) const { return bind(structure(), method, report()); }
+  Result<AnyAccel> with_method(std::string_view method) const;
 
   // hits[i] answers rays[i]; the spans have the same size. The test must exist, as find_test() says.
   Status closest(std::span<const Ray> rays, std::span<Hit> hits, const TraceOptions& options = {}) const;

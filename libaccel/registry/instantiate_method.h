@@ -24,11 +24,11 @@ auto view_of(const AnyStructure& any) {
   return structure->view();
 }
 
-// run(view, std::type_identity<T>{}) with the method's traverser that serves the structure best.
-template <class Method, class Traverser, class Run>
+// run(view, std::type_identity<T>{}) with the method's traverser that serves the structure best on a machine.
+template <class Method, class Traverser, Machine kMachine, class Run>
 auto run_on(const AnyStructure& structure, const Run& run) {
   const auto view = view_of<Method>(structure);
-  return with_traverser<Traverser>(view, [&](auto traverser) { return run(view, traverser); });
+  return with_traverser<Traverser, kMachine>(view, [&](auto traverser) { return run(view, traverser); });
 }
 
 // Whether the method's structure has room for what the test reads: not where the words of triangles are links to uncles.
@@ -48,10 +48,11 @@ struct TestFunctions {
   using Closest = typename Method::template Traverser<Test, Query::closest>;
   using Any = typename Method::template Traverser<Test, Query::any>;
 
-  // The same for one of the two queries.
-  template <class Run>
+  // The same for one of the two queries. Models of machines are models of devices.
+  template <Machine kMachine, class Run>
   static auto run_query(const AnyStructure& structure, Query query, const Run& run) {
-    return query == Query::closest ? run_on<Method, Closest>(structure, run) : run_on<Method, Any>(structure, run);
+    return query == Query::closest ? run_on<Method, Closest, kMachine>(structure, run)
+                                   : run_on<Method, Any, kMachine>(structure, run);
   }
 
   static AnyStructure prepare(const AnyStructure& s) {
@@ -59,29 +60,29 @@ struct TestFunctions {
     return with_transformed_triangles(structure, [](const PackedTriangle& t) { return Test::prepare_triangle(t); });
   }
   static void closest(const AnyStructure& s, std::span<const Ray> rays, std::span<Hit> hits, const BatchSettings& settings) {
-    run_on<Method, Closest>(
+    run_on<Method, Closest, Machine::cpu>(
         s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_closest<T>(view, rays, hits, settings); });
   }
   static void occluded(const AnyStructure& s, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
                        const BatchSettings& settings) {
-    run_on<Method, Any>(
+    run_on<Method, Any, Machine::cpu>(
         s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_any<T>(view, rays, occluded, settings); });
   }
   static Counters count(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
                         int threads, RayCounter counter) {
-    return run_query(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
+    return run_query<Machine::cpu>(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
       return count_rays<T>(view, rays, values, threads, counter);
     });
   }
   static SimtProfile simt(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
                           const SimtOptions& options, int threads) {
-    return run_query(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
+    return run_query<Machine::device>(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
       return simulate_simt<T>(view, rays, hits, options, threads);
     });
   }
   static MultipassProfile multipass(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
                                     const MultipassOptions& options, int threads) {
-    return run_query(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
+    return run_query<Machine::device>(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
       return trace_multipass<T>(view, rays, hits, options, threads);
     });
   }

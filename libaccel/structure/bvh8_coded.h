@@ -60,12 +60,12 @@ struct alignas(64) CodedBvh8Node {
   static constexpr bool kIsExact = false;
   static constexpr bool kAbsentAreFar = false;
 
+  NodeRef child[kBvh8Arity];        // as in Bvh8Node
+  std::uint32_t order[kBvh8Arity];  // likewise
   float origin[3];
   std::int8_t exponent[3];  // at least kLeastExponent
   std::int8_t unused;       // zero
   Code planes[3][2][kBvh8Arity];
-  NodeRef child[kBvh8Arity];        // as in Bvh8Node
-  std::uint32_t order[kBvh8Arity];  // likewise
 
   static constexpr int kLeastExponent = -126, kMostExponent = 127;  // of a power of two that is a normal float
 

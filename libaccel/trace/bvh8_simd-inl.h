@@ -115,8 +115,9 @@ struct RayBoxes {
     enter = most(most(nearer[1], nearer[2]), most(nearer[0], t_min));
     leave = least(least(farther[1], farther[2]), least(farther[0], limit));
     if constexpr (!Node::kAbsentAreFar || Slabs::kIsFused) {
+      // NaN, which is not before anything: where the ray leaves may be at infinity.
       const auto absent = hn::Eq(hn::Load(kRefs, node.child + first), hn::Set(kRefs, kNoNode));
-      enter = hn::IfThenElse(hn::RebindMask(kBoxes, absent), hn::Inf(kBoxes), enter);
+      enter = hn::IfThenElse(hn::RebindMask(kBoxes, absent), hn::NaN(kBoxes), enter);
     }
   }
 };

@@ -52,16 +52,9 @@ TEST(LawsThemselves, CanBeBroken) {
   }
 }
 
-std::vector<MethodCase> watertight_cases() {
-  std::vector<MethodCase> cases = all_cases();
-  std::erase_if(cases, [](const MethodCase& c) { return c.test != "watertight"; });
-  return cases;
-}
-
 }  // namespace
 
 ACCEL_FOR_EVERY_METHOD(Laws);
-
-INSTANTIATE_TEST_SUITE_P(Methods, WatertightLaws, testing::ValuesIn(watertight_cases()), case_name);
+ACCEL_FOR_EVERY_PROMISE(WatertightLaws);
 
 }  // namespace accel::validation

@@ -1,11 +1,10 @@
-// What the conformance tests share: they run for every method of the registry, through the public interface. With the first
-// triangle test robust methods promise their hits; other tests and methods promise little, and one method of each structure
+// What the conformance tests share: they run for every method of the registry, through the public interface. Robust
+// methods with the first triangle test promise their hits; other tests promise little, and there one method of each structure
 // stands for all.
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <bit>
 #include <ostream>
 #include <set>
@@ -36,11 +35,6 @@ struct MethodCase {
 };
 inline std::ostream& operator<<(std::ostream& out, const MethodCase& c) { return out << c.method << " with " << c.test; }
 
-inline bool is_robust(const std::string& method) {
-  const auto is_it = [&](const MethodInfo& m) { return m.name == method; };
-  return std::any_of(methods().begin(), methods().end(), [&](const MethodInfo& m) { return is_it(m) && m.robust; });
-}
-
 class MethodTest : public testing::TestWithParam<MethodCase> {
  protected:
   // The method under test, over a mesh.
@@ -67,8 +61,7 @@ class MethodTest : public testing::TestWithParam<MethodCase> {
     return result;
   }
 
-  // Whether hits are promised.
-  static bool is_watertight() { return GetParam().test == triangle_tests().front() && is_robust(GetParam().method); }
+  static bool is_watertight() { return GetParam().test == triangle_tests().front(); }
 
   // The answers of two ways to the same hits are the same, bit for bit, but for one ray in a thousand of those that hurt most,
   // and exact arithmetic must excuse the answer: a triangle test rounds, and may see a triangle that the ray passes by a hair
@@ -100,14 +93,12 @@ inline std::vector<MethodCase> promised_cases() {
   return cases;
 }
 
-// These, the methods that are not robust, and the first method of each structure with the second test.
+// These, and the first method of each structure with the second test.
 inline std::vector<MethodCase> all_cases() {
   std::vector<MethodCase> cases = promised_cases();
   std::set<std::string> structures;
-  for (const MethodInfo& method : methods()) {
-    if (!method.robust) cases.push_back({method.name, triangle_tests().front()});
+  for (const MethodInfo& method : methods())
     if (structures.insert(method.structure).second) cases.push_back({method.name, triangle_tests()[1]});
-  }
   return cases;
 }
 

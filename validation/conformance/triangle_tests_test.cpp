@@ -42,6 +42,30 @@ TEST_P(OtherTests, HitsAsBruteForce) {
   EXPECT_GE(accepted, triangle_tests().size() - 1);
 }
 
+// Methods that are known to lose hits lose few.
+TEST(OtherMethods, LoseFewHits) {
+  const TriangleMesh mesh = mesh_of(random_triangles(400, 0.3f, 97));
+  const std::vector<Ray> rays = stress_rays(mesh, 4000, 97);
+  const auto hits_of = [&](const std::string& method) {
+    const Result<AnyAccel> accel = AnyAccel::build(mesh, method);
+    EXPECT_TRUE(accel) << accel.message();
+    std::vector<Hit> hits(rays.size());
+    EXPECT_TRUE(accel->closest(rays, hits));
+    return hits;
+  };
+  const std::vector<Hit> expected = hits_of("brute/loop");
+  std::size_t methods_of_this_kind = 0;
+  for (const MethodInfo& method : methods()) {
+    if (method.robust) continue;
+    ++methods_of_this_kind;
+    const std::vector<Hit> hits = hits_of(method.name);
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) different += !(hits[i] == expected[i]);
+    EXPECT_LE(different, rays.size() / 20) << method.name;
+  }
+  EXPECT_EQ(methods_of_this_kind, 2u);
+}
+
 // What cannot be traced is an error with a reason, for every kind of query.
 TEST_P(OtherTests, ErrorsSayWhatThereIs) {
   const AnyAccel accel = build(mesh_of(random_triangles(50, 0.3f, 96)));
