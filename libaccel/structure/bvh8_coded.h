@@ -60,7 +60,7 @@ struct alignas(64) CodedBvh8Node {
   static constexpr bool kIsExact = false;
   static constexpr bool kAbsentAreFar = false;
 
-  NodeRef child[kBvh8Arity];        // as in Bvh8Node
+  NodeRef child[kBvh8Arity];        // as in Bvh8Node; first, where vectors of them are aligned
   std::uint32_t order[kBvh8Arity];  // likewise
   float origin[3];
   std::int8_t exponent[3];  // at least kLeastExponent

@@ -120,10 +120,10 @@ test_triangle_tests() {
 
 # Run time against error: everything is tried, what is promised is clean, edge rays are always among the rays.
 test_sweep() {
-  expect 0 trace builtin:spheres:2000 --sweep --rays primary --width 48 --height 32 --count 3000 --repeat 1 --json out.json
+  expect 0 "$ACCEL_TRACE" builtin:spheres:2000 --sweep --rays primary --width 48 --height 32 --count 3000 --repeat 1
   says out "Run time against error, primary rays"; says out "Run time against error, edge rays"
   says out "Advice: for this scene and primary rays, use "; fits_100_columns out
-  expect 0 trace builtin:spheres:2000 --sweep --rays primary --width 48 --height 32 --count 3000 --repeat 1 --json -
+  expect 0 "$ACCEL_TRACE" builtin:spheres:2000 --sweep --rays primary --width 48 --height 32 --count 3000 --repeat 1 --json -
   json out '{b["rays_kind"] for b in j["benchmarks"]} == {"primary", "edge"}'
   json out '{"watertight", "woop", "woop-kahan", "pluecker", "moeller-trumbore", "baldwin-weber"} <= {b.get("test") for b in j["benchmarks"]}'
   json out '{"bvh8/ordered-fma", "bvh8-byte/ordered", "bvh8-half/ordered", "Embree"} <= {b["method"] for b in j["benchmarks"]}'
@@ -140,9 +140,9 @@ test_sweep_usage() {
 
 # Methods that are known to lose hits are for those who name them.
 test_all_leaves_out_what_loses_hits() {
-  expect 0 trace builtin:cornell --method all --width 16 --height 16 --repeat 1
+  expect 0 trace builtin:cornell --method all
   says out "skipped: bvh8/ordered-naive, because it is known to lose hits"
-  expect 0 trace builtin:cornell --method bvh8/ordered-naive,bvh8/ordered-fma --width 16 --height 16 --repeat 1 --check none
+  expect 0 trace builtin:cornell --method bvh8/ordered-naive,bvh8/ordered-fma --check none
 }
 
 # Moeller-Trumbore leaks along edges: the judge must notice, say so first, and leave a bundle.
