@@ -88,6 +88,7 @@ std::string content_html(const ReportData& data, std::span<const MethodPictures>
                  {pictures_html(pictures), counters_table(data), simt_table(data), multipass_table(data)}) +
          section("Structures",
                  {structures_table(data), figure_html(leaf_sizes_plot(data)), figure_html(leaf_depths_plot(data))}) +
+         section("Scaling", {figure_html(scaling_plot(data)), scaling_table(data)}) +
          section("Left out, and why", {list_html(data.context()["skipped"], "because", "Skipped"),
                                        list_html(data.context()["notes"], "why", "Notes of the builds")}) +
          section("To reproduce", {reproduce_html(data)});

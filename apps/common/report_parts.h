@@ -5,7 +5,7 @@
 
 namespace accel::apps::report_parts {
 
-extern const std::string_view page, style, script;    // HTML, CSS, JavaScript
-extern const std::string_view pareto, speed, leaves;  // Vega-Lite
+extern const std::string_view page, style, script;             // HTML, CSS, JavaScript
+extern const std::string_view pareto, speed, leaves, scaling;  // Vega-Lite
 
 }  // namespace accel::apps::report_parts

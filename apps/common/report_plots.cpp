@@ -276,6 +276,35 @@ std::optional<ReportPlot> leaf_sizes_plot(const ReportData& data) {
 
 std::optional<ReportPlot> leaf_depths_plot(const ReportData& data) { return histogram_plot(data, "leaf_depths", "depth"); }
 
+std::optional<ReportPlot> scaling_plot(const ReportData& data) {
+  if (!data.json().contains("scaling")) return std::nullopt;
+  Json points = Json::array();
+  std::vector<std::string> methods;
+  for (const Json& point : data.json()["scaling"]) {
+    const std::string method = point["method"];
+    if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
+    const double triangles = point["triangles"];
+    const auto add = [&](const char* what, double value) {
+      points.push_back({{"what", what}, {"method", method}, {"triangles", triangles}, {"value", value}});
+    };
+    add("ns a ray", point["ns_per_ray"]);
+    add("build, ns a triangle", 1e9 * point["build_seconds"].get<double>() / triangles);
+    add("bytes a triangle", point["bytes"].get<double>() / triangles);
+  }
+  ReportPlot plot{
+      "plot-scaling",
+      "<b>Scaling.</b> The first kind of rays in the built-in scene of several sizes. On a logarithmic axis of "
+      "triangles, logarithmic growth is a straight line.",
+      "Lines of time a ray, build time and memory a triangle over the number of triangles; the table of scaling has "
+      "the same numbers",
+      Json::parse(report_parts::scaling)};
+  Json colors = Json::array();
+  for (std::size_t m = 0; m < methods.size(); ++m) colors.push_back(kColors[m % std::size(kColors)]);
+  plot.spec["spec"]["encoding"]["color"]["scale"] = {{"domain", methods}, {"range", colors}};
+  plot.spec["data"]["values"] = std::move(points);
+  return plot;
+}
+
 std::string figure_html(const std::optional<ReportPlot>& plot) {
   if (!plot) return "";
   return "<figure class=\"plot\" id=\"" + plot->id + "\">\n<div class=\"drawing\" role=\"img\" aria-label=\"" +

@@ -22,6 +22,7 @@ std::optional<ReportPlot> pareto_plot(const ReportData& data);
 std::optional<ReportPlot> speed_plot(const ReportData& data);
 std::optional<ReportPlot> leaf_sizes_plot(const ReportData& data);
 std::optional<ReportPlot> leaf_depths_plot(const ReportData& data);
+std::optional<ReportPlot> scaling_plot(const ReportData& data);
 
 // A <figure> that scripts draw; nothing of it shows without them.
 std::string figure_html(const std::optional<ReportPlot>& plot);

@@ -115,6 +115,21 @@ std::string structures_table(const ReportData& data) {
   return table.empty() ? "" : table.html();
 }
 
+std::string scaling_table(const ReportData& data) {
+  HtmlTable table("<b>Scaling in numbers.</b>",
+                  {{"method", true}, {"triangles"}, {"ns a ray"}, {"build"}, {"memory"}, {"bytes a triangle"}});
+  if (!data.json().contains("scaling")) return "";
+  const Json& points = data.json()["scaling"];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto at = [&](const char* key) { return "/scaling/" + std::to_string(i) + "/" + key; };
+    table.add_row({row_head(points[i].value("method", "")), data.cell(at("triangles"), count_text),
+                   data.cell(at("ns_per_ray"), short_number), data.cell(at("build_seconds"), seconds_number),
+                   data.cell(at("bytes"), bytes_number), data.ratio_cell(at("bytes"), at("triangles"), short_number)},
+                  points[i].value("method", "").starts_with("Embree") ? "reference" : "");
+  }
+  return table.empty() ? "" : table.html();
+}
+
 std::string counters_table(const ReportData& data) {
   const HtmlTable table("<b>Steps a ray.</b> Counts do not depend on the machine.", {{"method", true},
                                                                                      {"nodes"},

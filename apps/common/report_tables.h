@@ -16,5 +16,6 @@ std::string counters_table(const ReportData& data);
 std::string simt_table(const ReportData& data);
 std::string multipass_table(const ReportData& data);
 std::string sort_table(const ReportData& data);
+std::string scaling_table(const ReportData& data);
 
 }  // namespace accel::apps

@@ -282,6 +282,13 @@ std::string report_json(const TraceReport& report, const TraceSettings& settings
   Json json = {{"context", context_json(report, settings)}, {"benchmarks", Json::array()}};
   for (const TraceRow& row : report.rows) json["benchmarks"].push_back(row_json(row, report, settings));
   for (const SortRow& row : report.sorts) json["benchmarks"].push_back(sort_json(row, report, settings));
+  for (const ScalingPoint& point : report.scaling)
+    json["scaling"].push_back({{"method", point.method},
+                               {"rays_kind", point.rays_kind},
+                               {"triangles", point.triangles},
+                               {"ns_per_ray", point.ns_per_ray},
+                               {"build_seconds", point.build_seconds},
+                               {"bytes", point.bytes}});
   for (const Advice& advice : report.advice) json["context"]["advice"][advice.rays_kind] = advice.text;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -40,7 +40,8 @@ constexpr const char* kExamples =
 
 // The command line as typed, before names are looked up.
 struct RawOptions {
-  std::string methods = "best", rays, check = "embree", embree, sort, profile, schedule, device = "cpu", heatmap_of = "steps";
+  std::string methods = "best", rays, check = "embree", embree, sort, scaling, profile, schedule, device = "cpu",
+              heatmap_of = "steps";
 };
 
 struct ScheduleName {
@@ -139,6 +140,11 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
                  "sweeps: recommend the fastest with at most so many wrong hits per\nmillion [what is promised to have none]")
       ->check(CLI::NonNegativeNumber)
       ->type_name("X")
+      ->group("Measuring and checking");
+  app.add_option("--scaling", raw.scaling,
+                 "how time, build and memory grow: the methods on the first kind of\n"
+                 "rays in the built-in scene of these sizes, such as 1k,30k,1M")
+      ->type_name("SIZE,...")
       ->group("Measuring and checking");
   app.add_option("--sort", raw.sort,
                  "measure the rays sorted, too, by ray-hash or morton: what that\n"
@@ -314,6 +320,7 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
     if (!sort) return usage("--sort: " + sort.message());
     settings.sort = *sort;
   }
+  settings.scaling = names_of(raw.scaling);
   if (auto done = parse_schedules(raw.schedule, settings); !done) return done;
   if (auto done = parse_profiles(raw.profile, settings); !done) return done;
   const auto counter = parse_counter(raw.heatmap_of);
@@ -348,6 +355,10 @@ Finished check_consistency(const TraceSettings& settings) {
   if (!settings.diff.empty() && settings.check == Check::none) return usage("--diff: needs a witness; leave out --check none");
   for (const auto& [flag, path] : {std::pair{"--rays-out", &settings.rays_out}, {"--hits-out", &settings.hits_out}})
     if (!path->empty() && !is_npy(*path)) return usage(std::string(flag) + ": '" + *path + "' should end in .npy");
+  if (!settings.scaling.empty() && !settings.scene.starts_with("builtin:"))
+    return usage("--scaling: '" + settings.scene + "' has one size; only built-in scenes have others");
+  if (!settings.scaling.empty() && is_npy(settings.ray_kinds.front()))
+    return usage("--scaling: rays of a file fit one size of a scene; name a kind of rays");
   if (settings.max_error && !settings.sweep) return usage("--max-error: is about sweeps; add --sweep");
   if (settings.sweep && settings.check == Check::none) return usage("--sweep: measures errors; leave out --check none");
   if (settings.sweep && settings.device != "cpu")

@@ -42,6 +42,8 @@ struct TraceSettings {
   bool sweep = false;               // every combination of method and triangle test: see apps/common/sweep.h
   std::optional<double> max_error;  // wrong hits per million that advice allows
 
+  std::vector<std::string> scaling;  // sizes of the built-in scene, as in its name: "10k"
+
   std::optional<RaySort> sort;   // measure sorted rays, too
   PacketOptions packets;         // its cell_fraction is that of the sort, too
 

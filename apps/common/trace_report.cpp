@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/common/scaling.h"
 #include "apps/common/sweep.h"
 #include "apps/common/table.h"
 #include "apps/common/text.h"
@@ -376,12 +377,14 @@ std::string report_text(const TraceReport& report, const TraceSettings& settings
   const bool in_passes = any_row(report, [](const TraceRow& row) { return row.multipass.has_value(); });
   std::string text =
       failures_section(report, terminal) + scene_section(report, settings, terminal) + structures_section(report, terminal);
+  const std::string scaling = report.scaling.empty() ? "" : scaling_section(report, terminal);
   if (settings.sweep)
-    return text + sweep_section(report, settings, terminal) + (settings.explain ? explanations(report) : "") +
+    return text + sweep_section(report, settings, terminal) + scaling + (settings.explain ? explanations(report) : "") +
            skipped_section(report);
   text += speed_section(report, settings, terminal);
   const bool has_modes = any_row(report, [&](const TraceRow& row) { return report.best_embree_row(row.rays_kind) != nullptr; });
   if (has_modes) text += best_embree_section(report, terminal);
+  text += scaling;
   if (!report.sorts.empty()) text += sort_section(report, settings, terminal);
   if (checked) text += verdict_section(report, terminal) + adjudication_section(report, terminal);
   if (in_warps) text += simt_section(report, terminal);

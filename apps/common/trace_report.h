@@ -64,6 +64,14 @@ struct TraceRow {
   std::string configuration() const;
 };
 
+// A method, or Embree, in the built-in scene of another size: see apps/common/scaling.h.
+struct ScalingPoint {
+  std::string method, rays_kind;
+  std::uint64_t triangles = 0;
+  double ns_per_ray = 0, build_seconds = 0;
+  std::uint64_t bytes = 0;
+};
+
 // What a sweep recommends for a kind of rays.
 struct Advice {
   std::string rays_kind, text;
@@ -96,7 +104,8 @@ struct TraceReport {
   std::vector<SortRow> sorts;
   std::vector<BuildNote> notes;  // of the builds, each once
   std::vector<Skip> skipped;
-  std::vector<Advice> advice;  // of a sweep, by kind of rays
+  std::vector<Advice> advice;         // of a sweep, by kind of rays
+  std::vector<ScalingPoint> scaling;  // by method, and by triangles
   std::vector<MethodPictures> pictures;  // for --report
 
   std::uint64_t failures() const;

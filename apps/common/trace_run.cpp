@@ -12,6 +12,7 @@
 #include "apps/common/image.h"
 #include "apps/common/method_set.h"
 #include "apps/common/ray_batch.h"
+#include "apps/common/scaling.h"
 #include "apps/common/sweep.h"
 #include "apps/common/text.h"
 #include "apps/common/trace_pictures.h"
@@ -182,8 +183,7 @@ class TraceRun {
       const Truth truth = checker.truth_of(configurations_[m].member->accel.method());
       const auto testimony = testimony_for(truth);
       if (!testimony) return testimony.failure();
-      const Traced traced{configurations_[m], engines[m],  *batch,   (*measured)[m],
-                          truth,              **testimony, is_first, is_pictured};
+      const Traced traced{configurations_[m], engines[m], *batch, (*measured)[m], truth, **testimony, is_first, is_pictured};
       if (auto done = examine(traced, maker, checker); !done) return done;
       if (sorted) compare_orders(traced, (*measured)[engines_.size() + m], *sorted);
     }
@@ -441,7 +441,14 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& te
   bar.begin("loading " + settings.scene);
   auto scene = open_scene(settings.scene, settings.common.seed, bar.callback(), mesh_use(settings));
   if (!scene) return scene.failure();
-  return TraceRun(settings, terminal, bar, *std::move(scene), std::move(device)).run();
+  auto report = TraceRun(settings, terminal, bar, *std::move(scene), device).run();
+  for (const std::string& size : settings.scaling) {
+    if (!report) return report;
+    const auto run = run_trace(settings_for_size(settings, size), terminal, bar);
+    if (!run) return run.failure();
+    add_points(*run, report->scaling);
+  }
+  return report;
 }
 
 }  // namespace accel::apps

@@ -132,6 +132,18 @@ test_sweep() {
   json out 'set(j["context"]["advice"]) == {"primary", "edge"}'
 }
 
+# How things grow with the scene: every method and Embree at every size, in the tables, the JSON and the report.
+test_scaling() {
+  expect 0 trace builtin:terrain:500 --method sbvh/stack,bvh8/ordered --scaling 200,2k --report out.html
+  says out "Scaling, primary rays"; fits_100_columns out; says out.html "Scaling in numbers"; says out.html plot-scaling
+  expect 0 trace builtin:terrain:500 --method sbvh/stack,bvh8/ordered --scaling 200,2k --json -
+  json out '{"sbvh/stack", "bvh8/ordered"} <= {p["method"] for p in j["scaling"]}'
+  json out 'all(p["ns_per_ray"] > 0 and p["bytes"] > 0 for p in j["scaling"])'
+  json out 'len({p["triangles"] for p in j["scaling"]}) == 2'
+  usage_error trace quad.obj --scaling 1k; says err "only built-in scenes"
+  usage_error trace builtin:terrain --scaling zwei; says err "bad scene size"
+}
+
 test_sweep_usage() {
   usage_error trace builtin:cornell --max-error 5; says err "add --sweep"
   usage_error trace builtin:cornell --sweep --check none; says err "measures errors"
