@@ -19,9 +19,9 @@ InstructionCounter::InstructionCounter() {
   file_ = static_cast<int>(syscall(SYS_perf_event_open, &event, 0, -1, -1, PERF_FLAG_FD_CLOEXEC));
   if (file_ >= 0) return;
   if (errno == EACCES || errno == EPERM)
-    reason_ = "counting them is not permitted here (/proc/sys/kernel/perf_event_paranoid)";
+    reason_ = "counting is not permitted (kernel.perf_event_paranoid)";
   else
-    reason_ = std::string("this machine does not count them (perf_event_open: ") + std::strerror(errno) + ")";
+    reason_ = std::string("this machine does not count them (") + std::strerror(errno) + ")";
 }
 
 InstructionCounter::~InstructionCounter() {
