@@ -7,7 +7,7 @@
 # each target with its seeds. What it finds beyond them is kept in build/fuzz/found/TARGET and goes on from there the next time; an
 # input that crashes is left in build/fuzz/crashes/TARGET, and the script fails when all targets have run.
 #
-# The build takes about 11 minutes of one core without ccache, nearly all of it for the methods. Where that is too much,
+# The build takes some 9 minutes of one core without ccache, most of it for the methods. Where that is too much,
 # `cmake/fuzz.sh SECONDS` with the targets obj, ply, ply_zst, scene and npy still builds it: the library is one target.
 set -euo pipefail
 cd "$(dirname "$0")/.."
