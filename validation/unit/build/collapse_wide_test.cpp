@@ -78,7 +78,7 @@ TEST(CollapseWide, NoCollapseIsCheaper) {
 // prim_ids of a leaf, each once.
 std::set<std::uint32_t> triangles_of(const Bvh8& bvh, NodeRef leaf) {
   std::set<std::uint32_t> found;
-  for (std::uint32_t b = first_block(leaf); b < first_block(leaf) + block_count(bvh, leaf); ++b)
+  for (std::uint32_t b = first_block(leaf); b < first_block(leaf) + block_count(bvh.blocks, leaf); ++b)
     for (std::uint32_t lane = 0; lane < kBlockLanes && bvh.blocks[b].has(lane); ++lane)
       EXPECT_TRUE(found.insert(bvh.blocks[b].prim_id[lane]).second) << "twice in a leaf";
   return found;

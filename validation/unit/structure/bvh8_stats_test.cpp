@@ -29,7 +29,7 @@ TEST(Bvh8Stats, KnownTree) {
 }
 
 TEST(Bvh8Stats, EmptyTreeAndSingleLeaf) {
-  EXPECT_EQ(bvh8_stats({}, 1, 1).sah_cost, 0.0);
+  EXPECT_EQ(bvh8_stats(Bvh8{}, 1, 1).sah_cost, 0.0);
   const Bvh8Stats stats = bvh8_stats(WideSbvh::build(test::soup(1, 1), {})->structure, 1, 1);
   EXPECT_EQ(stats.sah_cost, 1.0);
   EXPECT_EQ(stats.depth, 0u);
