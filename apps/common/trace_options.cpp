@@ -63,8 +63,7 @@ void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   app.add_option("-r,--rays", raw.rays, "kinds of rays, or .npy files [primary]")
       ->type_name("KIND,...|FILE")
       ->group("What to trace");
-  app.add_option("--test", settings.test,
-                 "triangle test: " + join(triangle_tests(), " or ") + " [" + triangle_tests().front() + "]")
+  app.add_option("--test", settings.test, "triangle test; --list has all [" + triangle_tests().front() + "]")
       ->type_name("NAME")
       ->group("What to trace");
   app.add_option("--device", raw.device, "cpu or cuda")->capture_default_str()->type_name("NAME")->group("What to trace");

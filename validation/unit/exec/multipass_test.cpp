@@ -157,8 +157,19 @@ void expect_cpu_counts(const AnyAccel& accel, std::span<const Ray> rays, Query q
   EXPECT_EQ(p.total().bytes_fetched, fetched);
 }
 
+// Devices visit what CPUs, which remember more postponed nodes, may drop (trace/bvh2_hash_recent.h): few, and with the same
+// hits.
+void expect_a_little_more_than_cpu_counts(const AnyAccel& accel, std::span<const Ray> rays) {
+  const Counters counters = *accel.count(rays, Query::closest, {}, {.threads = 1});
+  const MultipassProfile p = *accel.trace_multipass(rays, Query::closest, {}, {}, {.threads = 1});
+  EXPECT_GE(p.of(Kernel::down).rays, counters.node_steps);
+  EXPECT_LE(p.of(Kernel::down).rays, counters.node_steps + counters.node_steps / 5);
+  EXPECT_GE(p.of(Kernel::intersect).rays, counters.triangle_tests);
+}
+
 TEST_P(MultipassMethod, StepsAreTheCpus) {
   const AnyAccel accel = build();
+  if (accel.method().traverser == "hash") return expect_a_little_more_than_cpu_counts(accel, rays());
   expect_cpu_counts(accel, rays(), Query::closest);
   expect_cpu_counts(accel, rays(), Query::any);
 }
