@@ -2,7 +2,9 @@
 // the build makes for each method include this.
 #pragma once
 
+#include <concepts>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "libaccel/exec/cpu.h"
@@ -31,13 +33,18 @@ auto run_on(const AnyStructure& structure, const Run& run) {
   return with_traverser<Traverser, kMachine>(view, [&](auto traverser) { return run(view, traverser); });
 }
 
+template <class Structure>
+concept HasBvh2Extras = requires {
+  requires std::same_as<std::remove_cvref_t<decltype(Structure::kExtras[0])>, Bvh2Extras>;
+};
+
 // Whether the method's structure has room for what the test reads: not where the words of triangles are links to uncles.
 template <class Method, class Test>
 constexpr bool can_hold() {
   using Traverser = typename Method::template Traverser<Test, Query::closest>;
   using Structure = typename Method::Structure;
   bool has_room = !PrecomputedTest<Test> || HoldsPackedTriangles<Structure>;
-  if constexpr (PrecomputedTest<Test> && requires { Bvh2Extras{Structure::kExtras[0]}; })
+  if constexpr (PrecomputedTest<Test> && HasBvh2Extras<Structure>)
     for (const Bvh2Extras links : {Bvh2Extras::uncles, Bvh2Extras::hash, Bvh2Extras::full_hash})
       has_room = has_room && !needs<Traverser>(links);
   return has_room;
