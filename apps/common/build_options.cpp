@@ -81,7 +81,7 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
       ->group("Output");
   std::vector<std::string> names;
   for (const std::string_view name : builders()) names.emplace_back(name);
-  app.add_option("-s,--structure", structure, "what to build: " + join(names, ", ") + " [" + builder_of(best_method()) + "]")
+  app.add_option("-s,--structure", structure, "what to build:\n" + join(names, ", ") + " [" + builder_of(best_method()) + "]")
       ->type_name("NAME")
       ->group("Build");
   app.add_option("--for", method, "build what this method traces, with the arrays that it reads")
