@@ -81,9 +81,9 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
       ->group("Output");
   std::vector<std::string> names;
   for (const std::string_view name : builders()) names.emplace_back(name);
-  app.add_option("-s,--structure", structure, "what to build:\n" + join(names, ", ") + " [" + builder_of(best_method()) + "]")
-      ->type_name("NAME")
-      ->group("Build");
+  std::string list = wrapped("what to build [" + builder_of(best_method()) + "]: " + join(names, ", "), 66, "");
+  list.pop_back();
+  app.add_option("-s,--structure", structure, list)->type_name("NAME")->group("Build");
   app.add_option("--for", method, "build what this method traces, with the arrays that it reads")
       ->type_name("METHOD")
       ->group("Build");
