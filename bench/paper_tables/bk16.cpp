@@ -356,8 +356,8 @@ constexpr char kSceneNote[] =
 constexpr char kHashNote[] = R"(Tables are sized by the keys that can be looked up, the paper's by all nodes. Times to make
   them are those of a CPU here, of a GeForce GTX Titan X there.)";
 constexpr char kRegisterNote[] = R"(hash on CPUs remembers the four most recently postponed nodes and where the ray enters
-  them, and rarely reads its tables; hash-1 is the paper's variant with one register, which hash is on devices. The model's
-  figures for a device are those of hash-1, and its hash keeps the four nodes in memory, as stack B.)";
+  them, and rarely reads its tables; hash-1 is the paper's variant with one register, which hash is on devices, and so in the
+  model.)";
 constexpr char kStackNote[] = R"(On a CPU the stack lies in the nearest cache and costs next to nothing, and it remembers
   where the ray enters a postponed node, so that the node is dropped unread when a nearer hit was found; stackless versions
   read it and test its children's boxes. The paper's stack version does not drop nodes either, and pays for its stack with
