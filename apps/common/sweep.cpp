@@ -55,7 +55,7 @@ auto rows_of(Report& report, const std::string& kind) {
   return rows;
 }
 
-// "no wrong hit in 1.2 million rays", "33,780 wrong hits per million".
+// "no wrong hit found (fewer than 15.3 per million)", "3194 wrong hits per million".
 std::string error_text(const Rate& rate) {
   if (rate.per_million > 0) return short_number(rate.per_million) + " wrong hits per million";
   return "no wrong hit found (fewer than " + short_number(rate.bound95_per_million) + " per million)";
