@@ -83,14 +83,20 @@ TEST(Bvh8Ordered, TheStackHoldsTheDeepestTree) {
   }
   const Status valid = validate(bvh, kTriangles);
   ASSERT_TRUE(valid) << valid.message();
-  const std::vector<Ray> rays{{{0, 0, 0}, 0, {0, 0, 1}}, {{0.5f, 0.5f, 2000}, 0, {0, 0, -1}}, {{9, 9, 0}, 0, {0, 0, 1}}};
-  std::vector<Hit> hits(3);
-  trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(bvh.view(), rays, hits);
+  const Ray three[] = {{{0, 0, 0}, 0, {0, 0, 1}}, {{0.5f, 0.5f, 2000}, 0, {0, 0, -1}}, {{9, 9, 0}, 0, {0, 0, 1}}};
   NullObserver observer;
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(trace_ray<Closest>(bvh.view(), rays[i], observer).prim_id, hits[i].prim_id);
-  EXPECT_EQ(hits[0].prim_id, 0u);
-  EXPECT_EQ(hits[1].prim_id, kTriangles - 1);
-  EXPECT_FALSE(hits[2].valid());
+  for (const std::size_t times : {1, 40}) {  // one after the other, and by turns
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; i < times; ++i) rays.insert(rays.end(), three, three + 3);
+    std::vector<Hit> hits(rays.size());
+    trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(bvh.view(), rays, hits);
+    for (std::size_t i = 0; i < rays.size(); i += 3) {
+      EXPECT_EQ(trace_ray<Closest>(bvh.view(), rays[i], observer).prim_id, hits[i].prim_id);
+      EXPECT_EQ(hits[i].prim_id, 0u);
+      EXPECT_EQ(hits[i + 1].prim_id, kTriangles - 1);
+      EXPECT_FALSE(hits[i + 2].valid());
+    }
+  }
 }
 
 // Batches of any size and any number of threads, and another triangle test.

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <bit>
+#include <iterator>
 #include <set>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -46,6 +49,18 @@ bool same(const Hit& a, const Hit& b) {
 // Targets without fused operations round twice.
 bool has_fused_operations() { return std::set<std::string>{"AVX2", "AVX3", "AVX3_DL"}.count(bvh8_simd_target()) != 0; }
 
+// In batches of few rays, which are traced one after the other, of some more than go by turns at a time, and of many.
+template <class Slabs, class Test, class Node, class Answer>
+void trace_in_batches(const Bvh8ViewOf<Node>& view, std::span<const Ray> rays, std::span<Answer> answers) {
+  constexpr std::size_t kSizes[] = {1, kFewestInTurns - 1, kFewestInTurns, 23, 24, 25, 26, 49, 0, 500};
+  std::size_t begin = 0;
+  for (std::size_t i = 0; begin < rays.size(); ++i) {
+    const std::size_t size = std::min(i < std::size(kSizes) ? kSizes[i] : rays.size(), rays.size() - begin);
+    trace_bvh8_simd<Node, Slabs, Test>(view, rays.subspan(begin, size), answers.subspan(begin, size));
+    begin += size;
+  }
+}
+
 // Returns how many rays hit something.
 template <class Slabs, class Test, class Node>
 std::size_t expect_same_as_scalar(const std::string& name, const Bvh8Of<Node>& bvh, const std::vector<Ray>& rays) {
@@ -63,8 +78,8 @@ std::size_t expect_same_as_scalar(const std::string& name, const Bvh8Of<Node>& b
     if ((Slabs::kIsFused || std::is_same_v<Test, WoopKahan>)&&!has_fused_operations()) return;
     std::vector<Hit> hits(rays.size(), Hit{1, 2, 3, 4});
     std::vector<std::uint8_t> occluded(rays.size(), 7);
-    trace_bvh8_simd<Node, Slabs, Test>(bvh.view(), rays, hits);
-    trace_bvh8_simd<Node, Slabs, Test>(bvh.view(), rays, occluded);
+    trace_in_batches<Slabs, Test, Node, Hit>(bvh.view(), rays, hits);
+    trace_in_batches<Slabs, Test, Node, std::uint8_t>(bvh.view(), rays, occluded);
     std::size_t different = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) different += same(hits[i], expected[i]) ? 0 : 1;
     EXPECT_EQ(different, 0u) << name << ' ' << bvh8_simd_target();

@@ -1,0 +1,172 @@
+// Many rays through a Bvh8 by one thread, by turns: trace/bvh8_simd.h says why. The guard lets the header through once for each
+// target that Highway compiles.
+#if defined(ACCEL_BVH8_INTERLEAVED_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ACCEL_BVH8_INTERLEAVED_SIMD_INL_H
+#undef ACCEL_BVH8_INTERLEAVED_SIMD_INL_H
+#else
+#define ACCEL_BVH8_INTERLEAVED_SIMD_INL_H
+#endif
+
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "libaccel/core/buffer.h"
+#include "libaccel/trace/bvh8_node_simd-inl.h"
+#include "libaccel/trace/bvh8_simd.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace accel {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Rays on their way at a time. As many steps lie between two of a ray: enough for memory to answer, few enough for the rays to
+// stay in the first-level cache. 16 to 48 are within 10 % of each other.
+inline constexpr std::uint32_t kRaysInTurn = 24;
+
+// At the bottom of every stack: a leaf of a count that no leaf has. kNoNode looks like it.
+inline constexpr NodeRef kBottom = kLeafBit | (kMostCounted + 1) << kBlockBits;
+static_assert(kBottom >> kBlockBits == kNoNode >> kBlockBits);
+
+// A ray on its way.
+template <class Test, class Slabs>
+struct alignas(64) Flight {
+  RayBoxes<Slabs> boxes;
+  NodeRef ref;       // what comes next
+  std::size_t size;  // entries on the stack
+  Postponed stack;
+  float limit;  // the scaled end
+  typename Test::RayData test;
+  Hit hit;
+  const Ray* ray;  // null: none yet
+
+  HWY_INLINE void begin(const Ray& r, const Slopes& slopes) {
+    ray = &r, size = 1;
+    begin_hit(r, hit);
+    test = BlockTest<Test>::prepare(r);
+    boxes = RayBoxes<Slabs>(r, slopes);
+    limit = scaled_end<Slabs>(hit.t);
+  }
+
+  template <Query kQuery, class Node>
+  HWY_INLINE NodeRef descend(const Bvh8ViewOf<Node>& view) {
+    std::size_t pushed = size;
+    push_children<kQuery>(view.nodes[ref], boxes, limit, stack, pushed);
+    size = pushed - 1;
+    return stack.node[size];
+  }
+
+  // A block of a leaf; all blocks of one that has no count. What follows any-hit queries that have their answer is the end.
+  template <Query kQuery>
+  HWY_INLINE NodeRef intersect(const TriangleBlock* blocks) {
+    const float t = hit.t;
+    const bool has_answer =
+        HWY_LIKELY(counted_blocks(ref) != 0)
+            ? BlockTest<Test>::template intersect<kQuery>(blocks[first_block(ref)], *ray, test, boxes.t_min, hit)
+            : intersect_leaf<Test, kQuery>(blocks, ref, *ray, test, boxes.t_min, hit);
+    if (kQuery == Query::any && has_answer) return kBottom;
+    if (kQuery == Query::closest && hit.t < t) {
+      limit = scaled_end<Slabs>(hit.t);
+      drop_postponed();
+    }
+    const bool has_more = counted_blocks(ref) > 1;
+    const NodeRef rest = ref - (1u << kBlockBits) + 1, below = stack.node[size - 1];
+    size -= has_more ? 0 : 1;
+    return has_more ? rest : below;
+  }
+
+  // Drops what is postponed beyond the new end, so that nothing need look at distances again.
+  HWY_INLINE void drop_postponed() {
+    const auto end = hn::Set(kBoxes, limit);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < size; i += hn::Lanes(kBoxes)) {
+      const auto t_near = hn::LoadU(kBoxes, stack.t_near + i);
+      const auto node = hn::LoadU(kRefs, stack.node + i);
+      const auto keep = hn::And(hn::Le(t_near, end), hn::FirstN(kBoxes, size - i));
+      hn::StoreU(hn::Compress(t_near, keep), kBoxes, stack.t_near + kept);
+      hn::StoreU(hn::Compress(node, hn::RebindMask(kRefs, keep)), kRefs, stack.node + kept);
+      kept += hn::CountTrue(kBoxes, keep);
+    }
+    size = kept;
+  }
+};
+
+template <class Test, class Slabs, Query kQuery, class Node, class Answer>
+void trace_interleaved(const Bvh8ViewOf<Node>& view, const Ray* rays, std::size_t count, Answer* answers) {
+  if (view.root == kNoNode) {
+    for (std::size_t i = 0; i < count; ++i) store_answer(Hit{}, answers[i]);
+    return;
+  }
+  using F = Flight<Test, Slabs>;
+  F flights[kRaysInTurn];
+  const std::size_t entries = 1 + bvh8_stack_size(view.depth);
+  Buffer<NodeRef> nodes(kRaysInTurn * entries);
+  Buffer<float> distances(kRaysInTurn * entries);
+
+  // Who waits for which step, and room for one that is written but not counted.
+  F *at_node[kRaysInTurn + 1], *at_block[kRaysInTurn + 1], *at_end[kRaysInTurn + 1];
+  std::uint32_t at_nodes = 0, at_blocks = 0, at_ends = 0;
+  // Queues a ray for what comes next, and begins to fetch that. No branches: which step it is nobody can predict.
+  const char* const memory[2] = {reinterpret_cast<const char*>(view.nodes), reinterpret_cast<const char*>(view.blocks)};
+  constexpr std::size_t kBytes[2] = {sizeof(Node), sizeof(TriangleBlock)};
+  const auto queue = [&](F& f, NodeRef ref) HWY_ATTR {
+    f.ref = ref;
+    const std::uint32_t leaf = ref >> 31, end = ref >> kBlockBits == kBottom >> kBlockBits ? 1u : 0u;
+    at_node[at_nodes] = &f, at_nodes += 1 - leaf;
+    at_block[at_blocks] = &f, at_blocks += leaf - end;
+    at_end[at_ends] = &f, at_ends += end;
+    const char* next = memory[leaf] + first_block(ref) * kBytes[leaf];
+    for (std::size_t line = 0; line < std::max(kBytes[0], kBytes[1]); line += 64) hwy::Prefetch(next + line);
+  };
+
+  for (std::uint32_t i = 0; i < kRaysInTurn; ++i) {
+    F& f = flights[i];
+    f.ray = nullptr, f.stack = {nodes.data() + i * entries, distances.data() + i * entries};
+    f.stack.node[0] = kBottom, f.stack.t_near[0] = -std::numeric_limits<float>::infinity();
+    at_end[at_ends++] = &f;
+  }
+  for (std::size_t next = 0;;) {
+    // Rays that have ended make room for the next ones.
+    while (at_ends > 0) {
+      F& f = *at_end[--at_ends];
+      if (f.ray != nullptr) {
+        finish_hit(f.hit);
+        store_answer(f.hit, answers[f.ray - rays]);
+        f.ray = nullptr;
+      }
+      Slopes slopes{};
+      for (; next < count && !slopes.prepare(rays[next]); ++next) store_answer(Hit{}, answers[next]);
+      if (next == count) continue;
+      f.begin(rays[next++], slopes);
+      queue(f, view.root);
+    }
+    if (at_nodes + at_blocks == 0) return;
+
+    // In place: who goes on to another node is queued before the next is read.
+    const std::uint32_t descending = at_nodes;
+    at_nodes = 0;
+    for (std::uint32_t i = 0; i < descending; ++i) {
+      F& f = *at_node[i];
+      queue(f, f.template descend<kQuery>(view));
+    }
+    // Leaves wait until there are many of them.
+    if (2 * at_nodes > kRaysInTurn) continue;
+    const std::uint32_t intersecting = at_blocks;
+    at_blocks = 0;
+    for (std::uint32_t i = 0; i < intersecting; ++i) {
+      F& f = *at_block[i];
+      queue(f, f.template intersect<kQuery>(view.blocks));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace accel
+HWY_AFTER_NAMESPACE();
+
+#endif
