@@ -2,7 +2,8 @@
 //
 // Such a traverser has a class template `Batch<TraceSingly>`, whose objects are made of a view, its Options and a function that
 // traces a single ray, and have trace(rays, answers): see packet/packet_tracer.h. What concerns single rays is the traverser's
-// own. A batch whose code is for some triangle tests, and which serves others by the way, says so: `kIsTuned` is false for those.
+// own, and batches of fewer than Batch::kFewestRays are traced ray by ray. A batch whose code is for some triangle tests, and
+// which serves others by the way, says so: `kIsTuned` is false for those.
 #pragma once
 
 #include "libaccel/core/hit.h"

@@ -50,8 +50,8 @@ void trace_batch(const typename Traverser::View& view, std::span<const Ray> rays
   };
   using Batch = typename Traverser::template Batch<decltype(trace_singly)>;
   typename Batch::Options options;
-  if constexpr (std::is_same_v<decltype(options), PacketOptions>) options = settings.packets;
-  if (rays.size() < options.min_size) {
+  if constexpr (std::is_base_of_v<PacketOptions, decltype(options)>) static_cast<PacketOptions&>(options) = settings.packets;
+  if (rays.size() < Batch::kFewestRays) {
     for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly(rays[i]), answers[i]);
     return;
   }

@@ -28,9 +28,14 @@ using Mask = decltype(hn::Eq(hn::Zero(kFloats), hn::Zero(kFloats)));
 
 HWY_INLINE Floats set(float x) { return hn::Set(kFloats, x); }
 HWY_INLINE Floats load(const float* from) { return hn::Load(kFloats, from); }
-// min_of(), max_of(): the second where one is NaN.
+// min_of(), max_of(): the second where one is NaN. What x86 does.
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_ARCH_X86
+HWY_INLINE Floats least(Floats a, Floats b) { return hn::Min(a, b); }
+HWY_INLINE Floats most(Floats a, Floats b) { return hn::Max(a, b); }
+#else
 HWY_INLINE Floats least(Floats a, Floats b) { return hn::IfThenElse(hn::Lt(a, b), a, b); }
 HWY_INLINE Floats most(Floats a, Floats b) { return hn::IfThenElse(hn::Gt(a, b), a, b); }
+#endif
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

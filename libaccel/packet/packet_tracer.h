@@ -45,6 +45,7 @@ class PacketTracer {
   using Options = PacketOptions;
   using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
   static constexpr bool kIsTuned = std::is_same_v<Test, Watertight>;
+  static constexpr std::size_t kFewestRays = 8;
 
   // The view has octo nodes, unless the scene has but one leaf, and no path is longer than kBvh2StackSize.
   PacketTracer(const Bvh2View& view, const PacketOptions& options, TraceSingly trace_singly)

@@ -16,6 +16,7 @@
 #include "libaccel/build/wide_sbvh.h"
 #include "libaccel/core/type_list.h"
 #include "libaccel/packet/bvh2_breadth_first.h"
+#include "libaccel/packet/bvh8_stream.h"
 #include "libaccel/registry/method.h"
 #include "libaccel/trace/brute_force.h"
 #include "libaccel/trace/bvh2_hash.h"
@@ -51,6 +52,7 @@ using Methods = TypeList<                     //
     Method<BinnedSah, Bvh2BreadthFirst>,      // bvh/breadth-first
     Method<Sbvh, Bvh2BreadthFirst>,           // sbvh/breadth-first
     Method<WideSbvh, Bvh8Ordered>,            // bvh8/ordered
+    Method<WideSbvh, Bvh8Stream>,             // bvh8/stream
     Method<WideSbvh, Bvh8OrderedNaive>,       // bvh8/ordered-naive
     Method<WideSbvh, Bvh8OrderedFused>,       // bvh8/ordered-fma
     Method<HalfWideSbvh, Bvh8HalfOrdered>,    // bvh8-half/ordered

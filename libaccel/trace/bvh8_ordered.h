@@ -27,10 +27,11 @@ template <class Node, class Slabs, class Test, Query kQuery, class TraceSingly>
 class Bvh8Batch {
  public:
   struct Options {
-    std::size_t min_size = 0, block_size = 1024;
+    std::size_t block_size = 1024;
   };
   using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
   static constexpr bool kIsTuned = kHasBvh8Simd<Node, Slabs, Test>;
+  static constexpr std::size_t kFewestRays = 0;
 
   Bvh8Batch(const Bvh8ViewOf<Node>& view, const Options&, const TraceSingly& trace_singly)
       : view_(view), trace_singly_(trace_singly) {}

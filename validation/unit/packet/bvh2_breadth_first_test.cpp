@@ -5,24 +5,10 @@
 #include <cstring>
 
 #include "libaccel/exec/cpu.h"
-#include "libaccel/rays/camera.h"
-#include "libaccel/rays/ray_sets.h"
 #include "validation/unit/packet/packets_of_rays.h"
 
 namespace accel {
 namespace {
-
-// The rays of a picture in rows, bundles, rays that hurt and rays that are none, all mixed.
-std::vector<Ray> rays_for(const TriangleMesh& mesh, const Bvh2& tree) {
-  const auto camera = Camera::make(default_camera(tree.bounds), 60, 40);
-  EXPECT_TRUE(camera) << camera.message();
-  const auto primary = primary_rays(*camera);
-  std::vector<Ray> rays(primary->rays.begin(), primary->rays.end());
-  for (const auto& packet : test::packets_for(mesh, tree.bounds, 4)) rays.insert(rays.end(), packet.begin(), packet.end());
-  const auto invalid = validation::invalid_rays();
-  for (std::size_t i = 0; i < invalid.size(); ++i) rays.insert(rays.begin() + static_cast<std::ptrdiff_t>(37 * i), invalid[i]);
-  return rays;
-}
 
 template <Query kQuery, class Answer>
 std::vector<Answer> traced(const Bvh2View& view, const std::vector<Ray>& rays, const PacketOptions& options,
@@ -49,7 +35,7 @@ TEST(Bvh2BreadthFirst, HitsAreThoseOfSingleRaysWhateverThePackets) {
   for (const auto& [name, mesh] : validation::stress_scenes()) {
     const Bvh2 tree = test::octo_tree(mesh);
     if (tree.root == kNoNode) continue;
-    const std::vector<Ray> rays = rays_for(mesh, tree);
+    const std::vector<Ray> rays = test::mixed_rays(mesh, tree.bounds);
     std::vector<Hit> expected(rays.size());
     std::vector<std::uint8_t> blocked(rays.size());
     trace_closest<Bvh2Stack<Watertight, Query::closest>>(tree.view(), rays, expected, 1);

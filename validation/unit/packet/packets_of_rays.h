@@ -11,6 +11,8 @@
 #include "libaccel/build/sbvh.h"
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/packet/frustum_trees.h"
+#include "libaccel/rays/camera.h"
+#include "libaccel/rays/ray_sets.h"
 #include "libaccel/structure/bvh2.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
@@ -57,6 +59,18 @@ inline std::vector<std::vector<Ray>> packets_for(const TriangleMesh& mesh, const
       if (!packet.empty()) packets.push_back(std::move(packet));
   }
   return packets;
+}
+
+// The rays of a picture in rows, bundles, rays that hurt and rays that are none, all mixed.
+inline std::vector<Ray> mixed_rays(const TriangleMesh& mesh, const Aabb& bounds) {
+  const auto camera = Camera::make(default_camera(bounds), 60, 40);
+  EXPECT_TRUE(camera) << camera.message();
+  const auto primary = primary_rays(*camera);
+  std::vector<Ray> rays(primary->rays.begin(), primary->rays.end());
+  for (const auto& packet : packets_for(mesh, bounds, 4)) rays.insert(rays.end(), packet.begin(), packet.end());
+  const auto invalid = validation::invalid_rays();
+  for (std::size_t i = 0; i < invalid.size(); ++i) rays.insert(rays.begin() + static_cast<std::ptrdiff_t>(37 * i), invalid[i]);
+  return rays;
 }
 
 inline Frustum frustum_of(const std::vector<Ray>& packet, const Aabb& bounds) {

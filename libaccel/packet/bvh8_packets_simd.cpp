@@ -1,0 +1,208 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "libaccel/packet/bvh8_packets_simd.cpp"
+#include <hwy/foreach_target.h>
+// Above all other headers.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "libaccel/packet/bvh8_packets_simd.h"
+#include "libaccel/packet/frustum_boxes_simd-inl.h"
+#include "libaccel/packet/packet_simd-inl.h"
+#include "libaccel/packet/watertight_simd-inl.h"
+#include "libaccel/trace/bvh8_ray.h"
+#include "libaccel/trace/bvh8_simd.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace accel {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Groups of a packet are the bits of a word.
+using GroupBits = std::uint64_t;
+constexpr std::uint32_t kMostGroups = 64;
+
+HWY_INLINE std::uint32_t width() { return static_cast<std::uint32_t>(hn::Lanes(kFloats)); }
+
+// What the box tests of a packet share: Bvh8Ray, a ray in each lane.
+struct alignas(64) PacketBoxes {
+  float inv_far[3][kMaxPacketSize];
+  std::uint32_t octant;  // of most rays
+  bool is_one_way;       // of all rays, along all axes
+};
+
+HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, PacketBoxes& boxes) {
+  boxes.octant = frustum.signs, boxes.is_one_way = true;
+  for (std::uint32_t i = 0; i < p.lanes; i += width())
+    for (int a = 0; a < 3; ++a) {
+      const Floats inv = load(p.inv[a] + i);
+      hn::Store(hn::Mul(inv, set(PaddedSlabs::kFarPlaneScale)), kFloats, boxes.inv_far[a] + i);
+      const Mask backwards = hn::Lt(inv, set(0));
+      boxes.is_one_way &= (boxes.octant >> a & 1u) != 0 ? hn::AllTrue(kFloats, backwards) : hn::AllFalse(kFloats, backwards);
+    }
+}
+
+// Bvh8Ray::enters(), of the rays from lane i on and child c. kOneWay: all rays go the way of the octant.
+template <bool kOneWay>
+HWY_INLINE Mask enter_child(const Packet& p, const PacketBoxes& boxes, std::uint32_t i, const Bvh8Node& node, std::uint32_t c) {
+  Floats nearer[3], farther[3];
+  for (int a = 0; a < 3; ++a) {
+    const Floats org = load(p.org[a] + i), inv = load(p.inv[a] + i);
+    const std::uint32_t side = boxes.octant >> a & 1u;
+    Floats near_plane = set(node.plane(a, side, c)), far_plane = set(node.plane(a, side ^ 1u, c));
+    if constexpr (!kOneWay) {
+      const Floats lower = set(node.plane(a, 0, c)), upper = set(node.plane(a, 1, c));
+      const Mask backwards = hn::Lt(inv, set(0));
+      near_plane = hn::IfThenElse(backwards, upper, lower), far_plane = hn::IfThenElse(backwards, lower, upper);
+    }
+    nearer[a] = hn::Mul(hn::Sub(near_plane, org), inv);
+    farther[a] = hn::Mul(hn::Sub(far_plane, org), load(boxes.inv_far[a] + i));
+  }
+  const Floats limit = hn::Mul(load(p.t + i), set(PaddedSlabs::kEndScale));
+  const Floats enter = most(most(nearer[1], nearer[2]), most(nearer[0], load(p.t_min + i)));
+  const Floats leave = least(least(farther[1], farther[2]), least(farther[0], limit));
+  return hn::Le(enter, leave);
+}
+
+// The groups and, of each, the rays that are on their way, as bits.
+struct Active {
+  GroupBits groups;
+  std::uint8_t rays[kMostGroups][8];
+
+  HWY_INLINE static Active all(const Packet& p) {
+    Active active{.groups = ~GroupBits{0} >> (kMostGroups - p.lanes / width())};
+    for (std::uint32_t g = 0; g < p.lanes / width(); ++g)
+      hn::StoreMaskBits(kFloats, hn::Ge(load(p.t + g * width()), set(0)), active.rays[g]);
+    return active;
+  }
+  // body(group), in ascending order.
+  template <class Body>
+  static HWY_INLINE void for_each(GroupBits groups, const Body& body) {
+    for (; groups != 0; groups &= groups - 1) body(static_cast<std::uint32_t>(std::countr_zero(groups)));
+  }
+};
+
+// A child whose box the frustum meets, and the groups that reached its parent.
+struct Postponed {
+  NodeRef node;
+  std::uint32_t child;
+  GroupBits groups;
+};
+
+// Every ray of the groups that enters the child goes there. Returns false if there is none.
+template <bool kOneWay>
+HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, const PacketBoxes& boxes, Active& active,
+                      GroupWork& work) {
+  active.groups = 0;
+  Active::for_each(to.groups, [&](std::uint32_t g) HWY_ATTR {
+    const Mask entered = enter_child<kOneWay>(p, boxes, g * width(), node, to.child);
+    hn::StoreMaskBits(kFloats, entered, active.rays[g]);
+    const std::size_t rays = hn::CountTrue(kFloats, entered);
+    active.groups |= static_cast<GroupBits>(rays != 0) << g;
+    work.nodes += rays != 0, work.rays += rays;
+  });
+  return active.groups != 0;
+}
+
+// Returns how many new answers there are.
+template <Query kQuery>
+HWY_INLINE std::uint32_t intersect_leaf(const TriangleBlock* blocks, NodeRef leaf, const Active& active, Packet& p) {
+  std::uint32_t answered = 0;
+  const TriangleBlock* block = blocks + first_block(leaf);
+  const std::uint32_t count = counted_blocks(leaf);
+  for (std::uint32_t b = 0; count != 0 ? b < count : block->has(0); ++b, ++block)
+    for (std::uint32_t lane = 0; lane < kBlockLanes && block->has(lane); ++lane) {
+      const PackedTriangle triangle = block->packed(lane);
+      Active::for_each(active.groups, [&](std::uint32_t g) HWY_ATTR {
+        answered += intersect_group<kQuery>(p, g * width(), hn::LoadMaskBits(kFloats, active.rays[g]), triangle);
+      });
+    }
+  return answered;
+}
+
+template <Query kQuery, bool kOneWay>
+HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const PacketBoxes& boxes, Packet& p,
+                             GroupWork& work) {
+  Postponed stack[bvh8_stack_size(kMostBvh8Depth)];
+  std::size_t size = 0;
+  NodeRef ref = view.root;
+  Active active = Active::all(p);
+  std::uint32_t answered = 0;
+  for (;;) {
+    if (!is_leaf(ref)) {
+      const Bvh8Node& node = view.nodes[ref];
+      const std::uint32_t met = boxes_met(node, frustum);
+      for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
+        const std::uint32_t c = node.ordered(i, boxes.octant);
+        stack[size] = {ref, c, active.groups};
+        size += met >> c & 1u;
+      }
+    } else {
+      answered += intersect_leaf<kQuery>(view.blocks, ref, active, p);
+      if (kQuery == Query::any && answered == p.size) return;
+    }
+    const Bvh8Node* parent;
+    do {
+      if (size == 0) return;
+      parent = view.nodes + stack[--size].node;
+    } while (!enter<kOneWay>(stack[size], *parent, p, boxes, active, work));
+    ref = parent->child[stack[size].child];
+  }
+}
+
+template <Query kQuery, class Finish>
+HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& batch, const Finish& finish) {
+  Packet packet;
+  PacketBoxes boxes;
+  GroupWork work;
+  const std::uint32_t most = std::min(kMostGroups * width(), kMaxPacketSize);
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const Frustum& frustum = batch.frustums[i];
+    const std::uint32_t end = batch.packets[batch.active[i] + 1];
+    for (std::uint32_t first = batch.packets[batch.active[i]], size; first < end; first += size) {
+      size = std::min(end - first, most);
+      load_rays(batch.rays, batch.ids + first, size, packet);
+      prepare_rays(frustum.axis(), packet);
+      prepare_boxes(packet, frustum, boxes);
+      if (HWY_LIKELY(boxes.is_one_way))
+        trace_packet<kQuery, true>(view, frustum, boxes, packet, work);
+      else
+        trace_packet<kQuery, false>(view, frustum, boxes, packet, work);
+      for (std::uint32_t r = 0; r < size; ++r) finish(packet, r, batch.ids[first + r]);
+    }
+  }
+  return work;
+}
+
+GroupWork intersect(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits) {
+  return trace_packets<Query::closest>(view, batch, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
+    hits[ray] = p.prim_id[r] == kNoHit ? Hit{} : Hit{p.t[r], p.u[r], p.v[r], p.prim_id[r]};
+  });
+}
+
+GroupWork occlude(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded) {
+  return trace_packets<Query::any>(view, batch, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
+    occluded[ray] = p.prim_id[r] == kNoHit ? 0 : 1;
+  });
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace accel
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace accel {
+HWY_EXPORT(intersect);
+HWY_EXPORT(occlude);
+
+GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits) {
+  return HWY_DYNAMIC_DISPATCH(intersect)(view, batch, hits);
+}
+GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded) {
+  return HWY_DYNAMIC_DISPATCH(occlude)(view, batch, occluded);
+}
+}  // namespace accel
+#endif

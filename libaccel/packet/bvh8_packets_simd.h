@@ -1,0 +1,27 @@
+// Packets of rays that run nearly the same way through a Bvh8, a ray in each SIMD lane: Wald et al. 2001, "Interactive
+// Rendering with Coherent Ray Tracing"; Reshetov et al. 2005, "Multi-Level Ray Tracing Algorithm" (frustums that skip what no
+// ray meets); Overbeck et al. 2008, "Large Ray Packets for Real-time Whitted Ray Tracing" (rays that take part, by groups).
+//
+// A node's eight boxes are tested against the packet's frustum (packet/frustum.h) at once. Where it meets a box, the packet's
+// rays are tested against that, as many as a vector has lanes at a time, when its turn comes, so that nearer hits have
+// shortened them; groups without a ray that enters leave the packet there. Leaves are tested triangle by triangle, by the
+// groups that are left.
+//
+// The box test of a ray is that of trace/bvh8_ray.h, so that a ray meets the triangles that it meets by itself, in another
+// order, and has the same hit bit for bit.
+#pragma once
+
+#include <cstdint>
+
+#include "libaccel/packet/localized.h"
+#include "libaccel/packet/ray_groups_simd.h"
+#include "libaccel/structure/bvh8.h"
+
+namespace accel {
+
+// answers[i] answers rays[i] for all rays of active packets; nothing else is written. The tree has a node and is no deeper than
+// kMostBvh8Depth. Of the batch, rays, packets and frustums are read; frustum i is that of active packet i.
+GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits);
+GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded);
+
+}  // namespace accel

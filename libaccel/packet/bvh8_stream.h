@@ -1,0 +1,98 @@
+// Traces batches of rays through a Bvh8 in the way that is fastest for them: what people will use on a CPU.
+//
+// Rays that run nearly as the ones before, as those of a picture or to a light, go in packets (packet/bvh8_packets_simd.h), in
+// the order of packet/block_order.h: runs of eight rays are sorted along a curve where that makes narrower frustums, as for a
+// picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). Where packets were of little use,
+// the next blocks go by turns, too.
+//
+// Hits are those of single rays, bit for bit, whatever the options. In the registry the method is a traverser that is
+// bvh8/ordered in all that concerns single rays: what counts their steps or models warps or streams sees that one.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "libaccel/packet/block_order.h"
+#include "libaccel/packet/bvh8_packets_simd.h"
+#include "libaccel/packet/packet_options.h"
+#include "libaccel/packet/packet_set.h"
+#include "libaccel/packet/serial_primitives.h"
+#include "libaccel/trace/bvh8_ordered.h"
+
+namespace accel {
+
+// Whether most rays run nearly as the one before, in a sample of some dozens.
+bool are_alike(std::span<const Ray> rays);
+
+// With the watertight test, by one thread. Answer is Hit, or std::uint8_t for any-hit queries.
+template <class Answer>
+class Bvh8StreamTracer {
+ public:
+  Bvh8StreamTracer(const Bvh8View& view, const PacketOptions& options);
+
+  // May throw std::bad_alloc.
+  void trace(std::span<const Ray> rays, std::span<Answer> answers);
+
+ private:
+  void trace_packets(std::span<const Ray> rays, std::span<Answer> answers);
+  void trace_by_turns(std::span<const Ray> rays, std::span<Answer> answers) const {
+    trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(view_, rays, answers);
+  }
+  // By turns, those of the order that no packet has.
+  void trace_left(std::span<const Ray> rays, std::span<Answer> answers);
+  // The rays in runs of so many, cut into packets with frustums. Returns how wide these are, summed over rays.
+  double make_packets(std::span<const Ray> rays, std::uint32_t run, std::uint32_t size);
+
+  Bvh8View view_;
+  PacketOptions options_;
+  Aabb bounds_;
+  std::uint32_t run_ = 0, blocks_to_trial_ = 0, blocks_by_turns_ = 0;
+
+  // Of the block.
+  BlockOrder order_;
+  PacketSet<SerialPrimitives> packets_;
+  std::vector<std::uint32_t> left_;
+  std::vector<Ray> rays_left_;
+  std::vector<Answer> answers_left_;
+};
+
+extern template class Bvh8StreamTracer<Hit>;
+extern template class Bvh8StreamTracer<std::uint8_t>;
+
+// Batches of the method: other tests than the watertight one have no packets.
+template <class Test, Query kQuery, class TraceSingly>
+class Bvh8StreamBatch {
+ public:
+  struct Options : PacketOptions {};
+  using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
+  static constexpr bool kIsTuned = kHasBvh8Simd<Bvh8Node, PaddedSlabs, Test>;
+  static constexpr std::size_t kFewestRays = 0;
+
+  Bvh8StreamBatch(const Bvh8View& view, const Options& options, const TraceSingly& trace_singly)
+      : view_(view), options_(options), trace_singly_(trace_singly) {}
+
+  void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
+    if constexpr (std::is_same_v<Test, Watertight>)
+      Bvh8StreamTracer<Answer>(view_, options_).trace(rays, answers);
+    else
+      Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>(view_, {}, trace_singly_).trace(rays, answers);
+  }
+
+ private:
+  const Bvh8View& view_;
+  const PacketOptions& options_;
+  const TraceSingly& trace_singly_;
+};
+
+template <class Test, Query kQuery>
+struct Bvh8Stream : Bvh8Ordered<Test, kQuery> {
+  static constexpr const char* kName = "stream";
+  static constexpr SkippedFeature kSkips{"steps of packets", "counters, profiles and single rays are those of bvh8/ordered"};
+
+  template <class TraceSingly>
+  using Batch = Bvh8StreamBatch<Test, kQuery, TraceSingly>;
+};
+
+}  // namespace accel

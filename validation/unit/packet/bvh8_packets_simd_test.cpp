@@ -1,0 +1,74 @@
+// Packets through a Bvh8 against single rays, on every target that the machine has.
+#include "libaccel/packet/bvh8_packets_simd.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "libaccel/build/wide_sbvh.h"
+#include "libaccel/exec/cpu.h"
+#include "libaccel/geometry/watertight.h"
+#include "libaccel/trace/bvh8_ordered.h"
+#include "validation/unit/build/test_meshes.h"
+#include "validation/unit/packet/packets_on_targets.h"
+
+namespace accel {
+namespace {
+
+TEST(Bvh8PacketsSimd, HitsAreThoseOfSingleRays) {
+  std::size_t valid = 0;
+  for (const auto& [name, mesh] : validation::stress_scenes()) {
+    const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
+    if (is_leaf(tree.root)) continue;
+    const test::PacketArrays arrays(mesh, test::octo_tree(mesh));
+    if (arrays.rays.empty()) continue;
+    const LocalizedBatch batch = arrays.batch(Bvh2{});
+    std::vector<Hit> expected(arrays.rays.size());
+    std::vector<std::uint8_t> blocked(arrays.rays.size());
+    NullObserver observer;
+    for (std::size_t i = 0; i < arrays.rays.size(); ++i) {
+      expected[i] = trace_ray<Bvh8Ordered<Watertight, Query::closest>>(tree.view(), arrays.rays[i], observer);
+      blocked[i] = expected[i].valid() ? 1 : 0;
+      valid += blocked[i];
+    }
+    test::on_every_target([&, &scene = name] {
+      std::vector<Hit> hits(arrays.rays.size());
+      std::vector<std::uint8_t> occluded(arrays.rays.size());
+      trace_bvh8_packets_simd(tree.view(), batch, hits.data());
+      trace_bvh8_packets_simd(tree.view(), batch, occluded.data());
+      EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0) << scene << packet_simd_target();
+      EXPECT_EQ(occluded, blocked) << scene << packet_simd_target();
+    });
+  }
+  EXPECT_GT(valid, 1000u);
+}
+
+// Copies of one ray fill the groups, and step as one.
+TEST(Bvh8PacketsSimd, WorkIsCounted) {
+  const TriangleMesh mesh = test::soup(500, 0.1f);
+  const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
+  ASSERT_FALSE(is_leaf(tree.root));
+  const Ray ray{.org = {-2, -1.9f, -1.8f}, .dir = {1, 0.9f, 0.8f}};
+  const std::vector<std::uint32_t> zero{0};
+  test::on_every_target([&] {
+    constexpr std::uint32_t count = 64;
+    const std::vector<Ray> rays(count, ray);
+    std::vector<std::uint32_t> ids(count);
+    std::iota(ids.begin(), ids.end(), 0u);
+    const std::vector<std::uint32_t> packets{0, count};
+    const Frustum frustum = test::frustum_of(rays, tree.bounds);
+    const LocalizedBatch batch{.rays = rays.data(),
+                               .ids = ids.data(),
+                               .packets = packets.data(),
+                               .active = zero.data(),
+                               .frustums = &frustum,
+                               .count = 1};
+    std::vector<Hit> hits(count);
+    const GroupWork work = trace_bvh8_packets_simd(tree.view(), batch, hits.data());
+    EXPECT_GT(work.nodes, 0u);
+    EXPECT_EQ(work.rays, work.nodes * rays_per_group());
+  });
+}
+
+}  // namespace
+}  // namespace accel
