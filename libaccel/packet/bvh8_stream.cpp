@@ -15,8 +15,9 @@ constexpr std::uint32_t kRun = 8;              // of rays that are sorted as one
 constexpr double kCostOfRuns = 1.1;            // of sorting by them, as a factor on the widths of frustums
 constexpr std::uint32_t kComparedSize = 64;    // of packets, to compare orders by their frustums
 constexpr std::uint32_t kBlocksPerTrial = 16;  // of an order, or of packets where they were of little use
-// A group's step costs as much as two or three steps of rays that go by turns.
-constexpr std::uint64_t kLeastRaysInStep = 3;
+constexpr std::uint32_t kTrialSize = 2048;
+// Packets of scenes where they pay have 8 to 13 rays in a group's step; those of small triangles, where they do not, 4.
+constexpr std::uint64_t kLeastRaysInStep = 6;
 
 bool are_alike(const Ray& a, const Ray& b) {
   const auto dot = [](Vec3 v, Vec3 w) {
@@ -55,11 +56,13 @@ Bvh8StreamTracer<Answer>::Bvh8StreamTracer(const Bvh8View& view, const PacketOpt
 template <class Answer>
 void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer> answers) {
   if (rays.size() < kFewestInPackets || is_leaf(view_.root)) return trace_by_turns(rays, answers);
-  for (std::size_t first = 0; first < rays.size(); first += options_.block_size) {
-    const std::size_t n = std::min<std::size_t>(rays.size() - first, options_.block_size);
+  for (std::size_t first = 0, n; first < rays.size(); first += n) {
+    const bool is_trial = blocks_by_turns_ == 0 && !packets_pay_;
+    n = std::min<std::size_t>(rays.size() - first, is_trial ? std::min(kTrialSize, options_.block_size) : options_.block_size);
     const auto block = rays.subspan(first, n);
     if (blocks_by_turns_ == 0 && are_alike(block)) {
-      trace_packets(block, answers.subspan(first, n));
+      packets_pay_ = trace_packets(block, answers.subspan(first, n));
+      if (!packets_pay_) blocks_by_turns_ = kBlocksPerTrial;
     } else {
       blocks_by_turns_ -= blocks_by_turns_ > 0 ? 1 : 0;
       trace_by_turns(block, answers.subspan(first, n));
@@ -68,7 +71,7 @@ void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer
 }
 
 template <class Answer>
-void Bvh8StreamTracer<Answer>::trace_packets(std::span<const Ray> rays, std::span<Answer> answers) {
+bool Bvh8StreamTracer<Answer>::trace_packets(std::span<const Ray> rays, std::span<Answer> answers) {
   order_.begin(rays);
   if (blocks_to_trial_-- == 0) {
     const double in_runs = make_packets(rays, kRun, kComparedSize), as_they_come = make_packets(rays, 0, kComparedSize);
@@ -79,8 +82,8 @@ void Bvh8StreamTracer<Answer>::trace_packets(std::span<const Ray> rays, std::spa
   LocalizedBatch batch = packets_.batch({}, rays.data(), order_.ids().data());
   batch.frustums = packets_.frustums().data();
   const GroupWork work = trace_bvh8_packets_simd(view_, batch, answers.data());
-  if (work.rays < kLeastRaysInStep * work.nodes) blocks_by_turns_ = kBlocksPerTrial;
   trace_left(rays, answers);
+  return work.rays >= kLeastRaysInStep * work.nodes;
 }
 
 template <class Answer>

@@ -2,8 +2,8 @@
 //
 // Rays that run nearly as the ones before, as those of a picture or to a light, go in packets (packet/bvh8_packets_simd.h), in
 // the order of packet/block_order.h: runs of eight rays are sorted along a curve where that makes narrower frustums, as for a
-// picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). Where packets were of little use,
-// the next blocks go by turns, too.
+// picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). So do, after a small trial, rays
+// that hardly share their way, as those to triangles smaller than the distance between them.
 //
 // Hits are those of single rays, bit for bit, whatever the options. In the registry the method is a traverser that is
 // bvh8/ordered in all that concerns single rays: what counts their steps or models warps or streams sees that one.
@@ -36,7 +36,8 @@ class Bvh8StreamTracer {
   void trace(std::span<const Ray> rays, std::span<Answer> answers);
 
  private:
-  void trace_packets(std::span<const Ray> rays, std::span<Answer> answers);
+  // Returns whether that was of use.
+  bool trace_packets(std::span<const Ray> rays, std::span<Answer> answers);
   void trace_by_turns(std::span<const Ray> rays, std::span<Answer> answers) const {
     trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(view_, rays, answers);
   }
@@ -48,7 +49,9 @@ class Bvh8StreamTracer {
   Bvh8View view_;
   PacketOptions options_;
   Aabb bounds_;
-  std::uint32_t run_ = 0, blocks_to_trial_ = 0, blocks_by_turns_ = 0;
+  bool packets_pay_ = false;           // in the block before
+  std::uint32_t blocks_by_turns_ = 0;  // until packets are tried again
+  std::uint32_t run_ = 0, blocks_to_trial_ = 0;
 
   // Of the block.
   BlockOrder order_;
