@@ -2,6 +2,7 @@
 #define HWY_TARGET_INCLUDE "libaccel/packet/bvh8_packets_simd.cpp"
 #include <hwy/foreach_target.h>
 // Above all other headers.
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -29,12 +30,13 @@ HWY_INLINE std::uint32_t width() { return static_cast<std::uint32_t>(hn::Lanes(k
 // What the box tests of a packet share: Bvh8Ray, a ray in each lane.
 struct alignas(64) PacketBoxes {
   float inv_far[3][kMaxPacketSize];
-  std::uint32_t octant;  // of most rays
-  bool is_one_way;       // of all rays, along all axes
+  std::uint32_t octant;    // of most rays
+  std::uint32_t reversal;  // 0, or 7: children from the far end on
+  bool is_one_way;         // of all rays, along all axes
 };
 
-HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, PacketBoxes& boxes) {
-  boxes.octant = frustum.signs, boxes.is_one_way = true;
+HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, bool from_far_end, PacketBoxes& boxes) {
+  boxes.octant = frustum.signs, boxes.reversal = from_far_end ? kBvh8Arity - 1 : 0, boxes.is_one_way = true;
   for (std::uint32_t i = 0; i < p.lanes; i += width())
     for (int a = 0; a < 3; ++a) {
       const Floats inv = load(p.inv[a] + i);
@@ -122,6 +124,13 @@ HWY_INLINE std::uint32_t intersect_leaf(const TriangleBlock* blocks, NodeRef lea
   return answered;
 }
 
+// Begins to fetch a node, or the first block of a leaf.
+HWY_INLINE void fetch(const Bvh8View& view, NodeRef ref) {
+  const char* const at = is_leaf(ref) ? reinterpret_cast<const char*>(view.blocks + first_block(ref))
+                                      : reinterpret_cast<const char*>(view.nodes + ref);
+  for (std::size_t line = 0; line < sizeof(Bvh8Node); line += 64) hwy::Prefetch(at + line);
+}
+
 template <Query kQuery, bool kOneWay>
 HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const PacketBoxes& boxes, Packet& p,
                              GroupWork& work) {
@@ -135,9 +144,10 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const
       const Bvh8Node& node = view.nodes[ref];
       const std::uint32_t met = boxes_met(node, frustum);
       for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
-        const std::uint32_t c = node.ordered(i, boxes.octant);
+        const std::uint32_t c = node.ordered(i ^ boxes.reversal, boxes.octant);
         stack[size] = {ref, c, active.groups};
         size += met >> c & 1u;
+        if ((met >> c & 1u) != 0) fetch(view, node.child[c]);
       }
     } else {
       answered += intersect_leaf<kQuery>(view.blocks, ref, active, p);
@@ -153,7 +163,7 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const
 }
 
 template <Query kQuery, class Finish>
-HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& batch, const Finish& finish) {
+HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& batch, bool from_far_end, const Finish& finish) {
   Packet packet;
   PacketBoxes boxes;
   GroupWork work;
@@ -165,7 +175,7 @@ HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& b
       size = std::min(end - first, most);
       load_rays(batch.rays, batch.ids + first, size, packet);
       prepare_rays(frustum.axis(), packet);
-      prepare_boxes(packet, frustum, boxes);
+      prepare_boxes(packet, frustum, from_far_end, boxes);
       if (HWY_LIKELY(boxes.is_one_way))
         trace_packet<kQuery, true>(view, frustum, boxes, packet, work);
       else
@@ -177,13 +187,13 @@ HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& b
 }
 
 GroupWork intersect(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits) {
-  return trace_packets<Query::closest>(view, batch, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
+  return trace_packets<Query::closest>(view, batch, false, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
     hits[ray] = p.prim_id[r] == kNoHit ? Hit{} : Hit{p.t[r], p.u[r], p.v[r], p.prim_id[r]};
   });
 }
 
-GroupWork occlude(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded) {
-  return trace_packets<Query::any>(view, batch, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
+GroupWork occlude(const Bvh8View& view, const LocalizedBatch& batch, bool from_far_end, std::uint8_t* occluded) {
+  return trace_packets<Query::any>(view, batch, from_far_end, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
     occluded[ray] = p.prim_id[r] == kNoHit ? 0 : 1;
   });
 }
@@ -201,8 +211,9 @@ HWY_EXPORT(occlude);
 GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits) {
   return HWY_DYNAMIC_DISPATCH(intersect)(view, batch, hits);
 }
-GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded) {
-  return HWY_DYNAMIC_DISPATCH(occlude)(view, batch, occluded);
+GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded,
+                                  bool from_far_end) {
+  return HWY_DYNAMIC_DISPATCH(occlude)(view, batch, from_far_end, occluded);
 }
 }  // namespace accel
 #endif

@@ -22,6 +22,9 @@ namespace accel {
 // answers[i] answers rays[i] for all rays of active packets; nothing else is written. The tree has a node and is no deeper than
 // kMostBvh8Depth. Of the batch, rays, packets and frustums are read; frustum i is that of active packet i.
 GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits);
-GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded);
+//
+// Any-hit queries may begin at the far end: what is around a light is in the way of many rays, or of none.
+GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded,
+                                  bool from_far_end = false);
 
 }  // namespace accel

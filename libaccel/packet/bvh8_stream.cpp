@@ -1,6 +1,9 @@
 #include "libaccel/packet/bvh8_stream.h"
 
+#include <time.h>
+
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "libaccel/packet/frustums_simd.h"
@@ -11,13 +14,18 @@ namespace {
 
 // Batches of fewer rays are not worth the preparation of packets.
 constexpr std::size_t kFewestInPackets = 256;
-constexpr std::uint32_t kRun = 8;              // of rays that are sorted as one
-constexpr double kCostOfRuns = 1.1;            // of sorting by them, as a factor on the widths of frustums
-constexpr std::uint32_t kComparedSize = 64;    // of packets, to compare orders by their frustums
-constexpr std::uint32_t kBlocksPerTrial = 16;  // of an order, or of packets where they were of little use
-constexpr std::uint32_t kTrialSize = 2048;
-// Packets of scenes where they pay have 8 to 13 rays in a group's step; those of small triangles, where they do not, 4.
-constexpr std::uint64_t kLeastRaysInStep = 6;
+constexpr double kCostOfRuns = 1.1;          // of sorting by them, as a factor on the widths of frustums
+constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by their frustums
+// Trials: rays a way and time, and how much of a block they may take.
+constexpr std::size_t kMostTried = 1024, kLeastTried = 256, kShareOfTrials = 24;
+constexpr std::uint32_t kMostBlocksPerTrial = 64;
+
+// Seconds that the calling thread has worked, which others on the machine do not add to.
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 bool are_alike(const Ray& a, const Ray& b) {
   const auto dot = [](Vec3 v, Vec3 w) {
@@ -57,40 +65,69 @@ template <class Answer>
 void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer> answers) {
   if (rays.size() < kFewestInPackets || is_leaf(view_.root)) return trace_by_turns(rays, answers);
   for (std::size_t first = 0, n; first < rays.size(); first += n) {
-    const bool is_trial = blocks_by_turns_ == 0 && !packets_pay_;
-    n = std::min<std::size_t>(rays.size() - first, is_trial ? std::min(kTrialSize, options_.block_size) : options_.block_size);
+    n = std::min<std::size_t>(rays.size() - first, options_.block_size);
     const auto block = rays.subspan(first, n);
-    if (blocks_by_turns_ == 0 && are_alike(block)) {
-      packets_pay_ = trace_packets(block, answers.subspan(first, n));
-      if (!packets_pay_) blocks_by_turns_ = kBlocksPerTrial;
-    } else {
-      blocks_by_turns_ -= blocks_by_turns_ > 0 ? 1 : 0;
-      trace_by_turns(block, answers.subspan(first, n));
-    }
+    const auto block_answers = answers.subspan(first, n);
+    if (are_alike(block))
+      trace_alike(block, block_answers);
+    else
+      trace_by_turns(block, block_answers);
   }
 }
 
 template <class Answer>
-bool Bvh8StreamTracer<Answer>::trace_packets(std::span<const Ray> rays, std::span<Answer> answers) {
-  order_.begin(rays);
-  if (blocks_to_trial_-- == 0) {
-    const double in_runs = make_packets(rays, kRun, kComparedSize), as_they_come = make_packets(rays, 0, kComparedSize);
-    run_ = in_runs * kCostOfRuns < as_they_come ? kRun : 0;
-    blocks_to_trial_ = kBlocksPerTrial;
+void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<Answer> answers) {
+  std::size_t tried = 0;
+  if (blocks_to_trial_ == 0 && rays.size() >= kShareOfTrials * kLeastTried) {
+    const Way before = way_;
+    tried = try_ways(rays, answers);
+    trial_distance_ = way_ == before ? std::min(2 * trial_distance_, kMostBlocksPerTrial) : 1;
+    blocks_to_trial_ = trial_distance_;
   }
+  blocks_to_trial_ -= blocks_to_trial_ > 0 ? 1 : 0;
+  trace_in(way_, rays.subspan(tried), answers.subspan(tried));
+}
+
+template <class Answer>
+std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers) {
+  const std::size_t size = std::clamp(rays.size() / kShareOfTrials, kLeastTried, kMostTried);
+  order_.begin(rays.first(size));
+  const double in_runs = make_packets(rays, kRun, kComparedSize), as_they_come = make_packets(rays, 0, kComparedSize);
+  run_ = in_runs * kCostOfRuns < as_they_come ? kRun : 0;
+
+  // Twice each, for what is traced first finds the caches cold.
+  std::array<double, kWays> least;
+  least.fill(std::numeric_limits<double>::infinity());
+  std::size_t tried = 0;
+  for (int time = 0; time < 2; ++time)
+    for (std::size_t w = 0; w < kWays; ++w, tried += size) {
+      const double begin = thread_seconds();
+      trace_in(static_cast<Way>(w), rays.subspan(tried, size), answers.subspan(tried, size));
+      least[w] = std::min(least[w], thread_seconds() - begin);
+    }
+  way_ = static_cast<Way>(std::min_element(least.begin(), least.end()) - least.begin());
+  return tried;
+}
+
+template <class Answer>
+void Bvh8StreamTracer<Answer>::trace_in(Way way, std::span<const Ray> rays, std::span<Answer> answers) {
+  if (way == Way::turns || rays.empty()) return trace_by_turns(rays, answers);
+  order_.begin(rays);
   make_packets(rays, run_, options_.max_size);
   LocalizedBatch batch = packets_.batch({}, rays.data(), order_.ids().data());
   batch.frustums = packets_.frustums().data();
-  const GroupWork work = trace_bvh8_packets_simd(view_, batch, answers.data());
+  if constexpr (kIsAnyHit)
+    trace_bvh8_packets_simd(view_, batch, answers.data(), way == Way::packets_from_far_end);
+  else
+    trace_bvh8_packets_simd(view_, batch, answers.data());
   trace_left(rays, answers);
-  return work.rays >= kLeastRaysInStep * work.nodes;
 }
 
 template <class Answer>
 double Bvh8StreamTracer<Answer>::make_packets(std::span<const Ray> rays, std::uint32_t run, std::uint32_t size) {
   order_.sort(run);
   const std::uint8_t* const faces = order_.faces().data();
-  packets_.cut(faces, faces, rays.size(), size, std::min(options_.min_size, size));
+  packets_.cut(faces, faces, order_.faces().size(), size, std::min(options_.min_size, size));
   make_frustums_simd(packets_.batch({}, rays.data(), order_.ids().data()), faces, bounds_, packets_.frustums().data());
   double width = 0;
   for (std::size_t i = 0; i < packets_.count(); ++i)

@@ -2,8 +2,9 @@
 //
 // Rays that run nearly as the ones before, as those of a picture or to a light, go in packets (packet/bvh8_packets_simd.h), in
 // the order of packet/block_order.h: runs of eight rays are sorted along a curve where that makes narrower frustums, as for a
-// picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). So do, after a small trial, rays
-// that hardly share their way, as those to triangles smaller than the distance between them.
+// picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). Rays that are alike need not
+// share their way, as those to triangles smaller than the distance between them: now and then a few are traced in both ways,
+// and the clock says what the next blocks go in. Answers do not depend on that.
 //
 // Hits are those of single rays, bit for bit, whatever the options. In the registry the method is a traverser that is
 // bvh8/ordered in all that concerns single rays: what counts their steps or models warps or streams sees that one.
@@ -36,8 +37,15 @@ class Bvh8StreamTracer {
   void trace(std::span<const Ray> rays, std::span<Answer> answers);
 
  private:
-  // Returns whether that was of use.
-  bool trace_packets(std::span<const Ray> rays, std::span<Answer> answers);
+  static constexpr bool kIsAnyHit = std::is_same_v<Answer, std::uint8_t>;
+  static constexpr std::uint32_t kRun = 8;  // of rays that are sorted as one
+  enum class Way : std::uint8_t { turns, packets, packets_from_far_end };
+  static constexpr std::size_t kWays = kIsAnyHit ? 3 : 2;
+
+  void trace_alike(std::span<const Ray> rays, std::span<Answer> answers);
+  // Traces some rays in all ways, and chooses the fastest. Returns how many.
+  std::size_t try_ways(std::span<const Ray> rays, std::span<Answer> answers);
+  void trace_in(Way way, std::span<const Ray> rays, std::span<Answer> answers);
   void trace_by_turns(std::span<const Ray> rays, std::span<Answer> answers) const {
     trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(view_, rays, answers);
   }
@@ -49,9 +57,10 @@ class Bvh8StreamTracer {
   Bvh8View view_;
   PacketOptions options_;
   Aabb bounds_;
-  bool packets_pay_ = false;           // in the block before
-  std::uint32_t blocks_by_turns_ = 0;  // until packets are tried again
-  std::uint32_t run_ = 0, blocks_to_trial_ = 0;
+  // What rays that are alike go in, until the next trial.
+  Way way_ = Way::packets;
+  std::uint32_t run_ = kRun;
+  std::uint32_t blocks_to_trial_ = 0, trial_distance_ = 1;
 
   // Of the block.
   BlockOrder order_;

@@ -35,9 +35,12 @@ TEST(Bvh8PacketsSimd, HitsAreThoseOfSingleRays) {
       std::vector<Hit> hits(arrays.rays.size());
       std::vector<std::uint8_t> occluded(arrays.rays.size());
       trace_bvh8_packets_simd(tree.view(), batch, hits.data());
-      trace_bvh8_packets_simd(tree.view(), batch, occluded.data());
+      for (const bool from_far_end : {false, true}) {
+        std::fill(occluded.begin(), occluded.end(), 7);
+        trace_bvh8_packets_simd(tree.view(), batch, occluded.data(), from_far_end);
+        EXPECT_EQ(occluded, blocked) << scene << packet_simd_target();
+      }
       EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0) << scene << packet_simd_target();
-      EXPECT_EQ(occluded, blocked) << scene << packet_simd_target();
     });
   }
   EXPECT_GT(valid, 1000u);
