@@ -92,18 +92,29 @@ class LocalizedWarp {
         free_(memory.free) {}
 
   ACCEL_HD void run() {
-    for (std::uint32_t i = 0; i < kRaysInHand; i += kLanes)
-      free_.push(warp_, kEveryLane, [&](int lane) { return i + static_cast<std::uint32_t>(lane); });
-    while (true) {
-      fetch();
-      const std::uint32_t ready = warp_.count(busy_) + pairs_.size();
-      if (ready == 0 && boxes_.size() == 0) return;
-      if (ready >= kLanes || ready > boxes_.size())
-        test_triangles();
-      else
-        test_boxes();
+    begin();
+    while (step()) {
     }
   }
+
+  // The same, step by step: begin(), then step() until it returns false. A step tests boxes or triangles, where there are any.
+  ACCEL_HD void begin() {
+    for (std::uint32_t i = 0; i < kRaysInHand; i += kLanes)
+      free_.push(warp_, kEveryLane, [&](int lane) { return i + static_cast<std::uint32_t>(lane); });
+  }
+  ACCEL_HD bool step() {
+    fetch();
+    const std::uint32_t ready = warp_.count(busy_) + pairs_.size();
+    if (ready == 0 && boxes_.size() == 0) return false;
+    if (ready >= kLanes || ready > boxes_.size())
+      test_triangles();
+    else
+      test_boxes();
+    return true;
+  }
+
+  std::uint32_t pairs() const { return pairs_.size(); }  // in the queue
+  std::uint32_t boxes() const { return boxes_.size(); }
 
  private:
   template <class T>
@@ -123,7 +134,7 @@ class LocalizedWarp {
       PerLane<SlotAndPlace> rays;
       free_.take(warp_, lanes, [&](int lane, std::uint32_t slot) { rays[lane].slot = slot; });
       warp_.run(WarpStep::fetch, lanes, [&](int lane, auto& observer) {
-        rays[lane].next = begin(rays[lane].slot, work.first + static_cast<std::uint32_t>(lane), observer);
+        rays[lane].next = put(rays[lane].slot, work.first + static_cast<std::uint32_t>(lane), observer);
       });
       boxes_.push(warp_, lanes, [&](int lane) { return rays[lane]; });
     }
@@ -131,7 +142,7 @@ class LocalizedWarp {
 
   // Puts the ray of a task into a slot. Returns its first leaf.
   template <class Observer>
-  ACCEL_HD std::uint32_t begin(std::uint32_t slot, std::uint32_t number, Observer& observer) {
+  ACCEL_HD std::uint32_t put(std::uint32_t slot, std::uint32_t number, Observer& observer) {
     const LocalizedTask task = tasks_.tasks[number];
     const Ray ray = tasks_.rays[task.ray];
     observer.load(accel::Memory::ray, tasks_.tasks + number, sizeof task);

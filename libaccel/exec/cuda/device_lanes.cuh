@@ -13,7 +13,7 @@ class DeviceLanes {
   // A register.
   template <class T>
   struct PerLane {
-    T value;
+    T value{};
     __device__ T& operator[](int) { return value; }
     __device__ const T& operator[](int) const { return value; }
   };

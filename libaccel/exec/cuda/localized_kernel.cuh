@@ -14,7 +14,7 @@ template <class Test, Query kQuery, class Answer>
 __global__ void __launch_bounds__(kBlockSize)
     localized_kernel(const LocalizedTasks tasks, Answer* answers, std::uint32_t* next_task) {
   using Memory = LocalizedMemory<kLocalizedRaysInHand>;
-  __shared__ alignas(Memory) unsigned char bytes[kBlockSize / static_cast<int>(kLanes) * sizeof(Memory)];
+  alignas(Memory) __shared__ unsigned char bytes[kBlockSize / static_cast<int>(kLanes) * sizeof(Memory)];
   Memory& memory = reinterpret_cast<Memory*>(bytes)[threadIdx.x / warpSize];
   DeviceLanes lanes(next_task);
   LocalizedWarp<Test, kQuery, kLocalizedRaysInHand, DeviceLanes, Answer>(tasks, answers, memory, lanes).run();
