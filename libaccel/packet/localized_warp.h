@@ -65,7 +65,7 @@ struct LocalizedMemory {
   Hit hits[kRaysInHand];
   std::uint32_t ids[kRaysInHand];
   std::uint32_t ends[kRaysInHand];     // of the ray's leaves
-  std::uint32_t waiting[kRaysInHand];  // how many entries of queues, and lanes, have the ray
+  std::uint32_t entries[kRaysInHand];  // that the ray has in both queues and with lanes
   std::uint32_t winners[kRaysInHand];  // which lane changes the ray's hit: of one step
 
   static constexpr std::uint32_t kPairs = 2 * kLanes;
@@ -79,10 +79,10 @@ class LocalizedWarp {
   static_assert(kRaysInHand >= kLanes);
 
  public:
-  using Memory = LocalizedMemory<kRaysInHand>;
+  using SharedMemory = LocalizedMemory<kRaysInHand>;
 
   // answers[i] will answer ray i of the tasks that the warp claims.
-  ACCEL_HD LocalizedWarp(const LocalizedTasks& tasks, Answer* answers, Memory& memory, Lanes& warp)
+  ACCEL_HD LocalizedWarp(const LocalizedTasks& tasks, Answer* answers, SharedMemory& memory, Lanes& warp)
       : tasks_(tasks),
         answers_(answers),
         memory_(memory),
@@ -97,10 +97,10 @@ class LocalizedWarp {
     }
   }
 
-  // The same, step by step: begin(), then step() until it returns false. A step tests boxes or triangles, where there are any.
+  // The same, step by step: begin(), then step() until it returns false. A step tests boxes or triangles.
   ACCEL_HD void begin() {
     for (std::uint32_t i = 0; i < kRaysInHand; i += kLanes)
-      free_.push(warp_, kEveryLane, [&](int lane) { return i + static_cast<std::uint32_t>(lane); });
+      free_.push(warp_, kEveryLane, [&](int lane, auto&) { return i + static_cast<std::uint32_t>(lane); });
   }
   ACCEL_HD bool step() {
     fetch();
@@ -120,23 +120,17 @@ class LocalizedWarp {
   template <class T>
   using PerLane = typename Lanes::template PerLane<T>;
 
-  // Work of a lane in the queue of pairs, with what it has prepared for its ray.
-  struct Pair {
-    SlotAndQuad at;
-    typename Test::RayData data;
-  };
-
   ACCEL_HD void fetch() {
     while (has_tasks_ && free_.size() >= kLanes) {
       const ClaimedWork work = warp_.claim(kLanes, tasks_.count);
-      const LaneMask lanes = warp_.where(kEveryLane, [&](int lane) { return static_cast<std::uint32_t>(lane) < work.count; });
       has_tasks_ = work.count == kLanes;
+      const LaneMask lanes = warp_.where(kEveryLane, [&](int lane) { return static_cast<std::uint32_t>(lane) < work.count; });
       PerLane<SlotAndPlace> rays;
-      free_.take(warp_, lanes, [&](int lane, std::uint32_t slot) { rays[lane].slot = slot; });
+      free_.take(warp_, lanes, [&](int lane, std::uint32_t slot, auto&) { rays[lane].slot = slot; });
       warp_.run(WarpStep::fetch, lanes, [&](int lane, auto& observer) {
         rays[lane].next = put(rays[lane].slot, work.first + static_cast<std::uint32_t>(lane), observer);
       });
-      boxes_.push(warp_, lanes, [&](int lane) { return rays[lane]; });
+      boxes_.push(warp_, lanes, [&](int lane, auto&) { return rays[lane]; });
     }
   }
 
@@ -145,127 +139,132 @@ class LocalizedWarp {
   ACCEL_HD std::uint32_t put(std::uint32_t slot, std::uint32_t number, Observer& observer) {
     const LocalizedTask task = tasks_.tasks[number];
     const Ray ray = tasks_.rays[task.ray];
-    observer.load(accel::Memory::ray, tasks_.tasks + number, sizeof task);
-    observer.load(accel::Memory::ray, tasks_.rays + task.ray, sizeof ray);
-    observer.load(accel::Memory::node, tasks_.firsts + task.active, 2 * sizeof(std::uint32_t));
+    observer.load(Memory::ray, tasks_.tasks + number, sizeof task);
+    observer.load(Memory::ray, tasks_.rays + task.ray, sizeof ray);
+    observer.load(Memory::node, tasks_.firsts + task.active, 2 * sizeof(std::uint32_t));
     memory_.rays[slot] = ray, memory_.ids[slot] = task.ray, memory_.ends[slot] = tasks_.firsts[task.active + 1];
+    memory_.entries[slot] = 1;
     begin_hit(ray, memory_.hits[slot]);
-    memory_.waiting[slot] = 1;
     return tasks_.firsts[task.active];
   }
 
-  // An any-hit query that has its answer.
-  ACCEL_HD bool is_answered(std::uint32_t slot) const { return kQuery == Query::any && memory_.hits[slot].valid(); }
-
-  // Gives the lanes entries of rays that are not answered yet. Returns the lanes that have got one.
-  template <class Queue, class Entries, class SlotOf>
-  ACCEL_HD LaneMask take_unanswered(Queue& queue, LaneMask lanes, Entries& entries, const SlotOf& slot_of) {
-    LaneMask served = 0;
-    while (lanes != 0 && queue.size() > 0) {
-      const LaneMask now = queue.take(warp_, lanes, [&](int lane, const auto& entry) { entries(lane) = entry; });
-      const LaneMask answered = warp_.where(now, [&](int lane) { return is_answered(slot_of(lane)); });
-      release(answered, slot_of);
-      served |= now & ~answered, lanes = (lanes & ~now) | answered;
-    }
-    return served;
-  }
-
+  // Each lane tests the next leaf's box of a ray.
   ACCEL_HD void test_boxes() {
     PerLane<SlotAndPlace> at;
     const auto slot_of = [&](int lane) { return at[lane].slot; };
-    const auto entries = [&](int lane) -> SlotAndPlace& { return at[lane]; };
-    const LaneMask lanes = take_unanswered(boxes_, kEveryLane, entries, slot_of);
+    const LaneMask lanes = take_unanswered(boxes_, kEveryLane, slot_of, [&](int lane, auto& entry) { at[lane] = entry; });
 
     PerLane<std::uint32_t> quads;
+    PerLane<bool> is_last;
     warp_.run(WarpStep::boxes, lanes, [&](int lane, auto& observer) {
-      const Ray ray = memory_.rays[at[lane].slot];
+      const std::uint32_t slot = slot_of(lane);
+      const Ray ray = memory_.rays[slot];
       const auto box = ScalarBoxPairTest::prepare(ray, first_t(ray));
-      quads[lane] =
-          enter_leaf(tasks_.nodes, tasks_.places + at[lane].next++, box, memory_.hits[at[lane].slot].t, observer);
+      quads[lane] = enter_leaf(tasks_.nodes, tasks_.places + at[lane].next++, box, memory_.hits[slot].t, observer);
+      // No other lane of this step has the ray.
+      memory_.entries[slot] += (goes_on(at[lane]) ? 1u : 0u) + (quads[lane] != kNoNode ? 1u : 0u) - 1u;
+      is_last[lane] = memory_.entries[slot] == 0;
     });
-
     const LaneMask entered = warp_.where(lanes, [&](int lane) { return quads[lane] != kNoNode; });
-    const LaneMask go_on = warp_.where(lanes, [&](int lane) { return at[lane].next < memory_.ends[at[lane].slot]; });
-    pairs_.push(warp_, entered, [&](int lane) {
-      ++memory_.waiting[slot_of(lane)];  // no other lane of this step has the ray
-      return SlotAndQuad{slot_of(lane), quads[lane]};
-    });
-    boxes_.push(warp_, go_on, [&](int lane) { return at[lane]; });
-    release(lanes & ~go_on, slot_of);
+    pairs_.push(warp_, entered, [&](int lane, auto&) { return SlotAndQuad{slot_of(lane), quads[lane]}; });
+    boxes_.push(warp_, warp_.where(lanes, [&](int lane) { return goes_on(at[lane]); }), [&](int lane, auto&) { return at[lane]; });
+    answer(warp_.where(lanes, [&](int lane) { return is_last[lane]; }), slot_of);
   }
+  ACCEL_HD bool goes_on(const SlotAndPlace& at) const { return at.next < memory_.ends[at.slot]; }
 
+  // Each lane tests a triangle of its pair.
   ACCEL_HD void test_triangles() {
-    const auto slot_of = [&](int lane) { return pair_[lane].at.slot; };
-    const auto entries = [&](int lane) -> SlotAndQuad& { return pair_[lane].at; };
-    const LaneMask answered = warp_.where(busy_, [&](int lane) { return is_answered(slot_of(lane)); });
-    release(answered, slot_of);
-    busy_ &= ~answered;
-    const LaneMask fresh = take_unanswered(pairs_, ~busy_, entries, slot_of);
-    warp_.run(WarpStep::queues, fresh,
-              [&](int lane, auto&) { pair_[lane].data = Test::prepare(memory_.rays[slot_of(lane)]); });
-    busy_ |= fresh;
+    const auto slot_of = [&](int lane) { return pair_[lane].slot; };
+    drop_answered(busy_, slot_of);
+    busy_ |= take_unanswered(pairs_, ~busy_, slot_of, [&](int lane, auto& entry) {
+      pair_[lane] = entry, data_[lane] = Test::prepare(memory_.rays[entry.slot]);
+    });
 
     PerLane<Hit> hits;
-    PerLane<Phase> phases;
-    PerLane<bool> is_nearer;
+    PerLane<bool> is_nearer, has_ended, is_last;
     warp_.run(WarpStep::triangles, busy_, [&](int lane, auto& observer) {
-      const Ray ray = memory_.rays[slot_of(lane)];
-      const Hit before = hits[lane] = memory_.hits[slot_of(lane)];
-      phases[lane] = intersect_next<Test, kQuery>(tasks_.leaves, ray, pair_[lane].data, first_t(ray), pair_[lane].at.quad,
-                                                  hits[lane], Phase::backtrack, observer);
+      const std::uint32_t slot = slot_of(lane);
+      const Ray ray = memory_.rays[slot];
+      const Hit before = hits[lane] = memory_.hits[slot];
+      const Phase phase = intersect_next<Test, kQuery>(tasks_.leaves, ray, data_[lane], first_t(ray), pair_[lane].quad,
+                                                       hits[lane], Phase::backtrack, observer);
       is_nearer[lane] = hits[lane].prim_id != before.prim_id;
+      has_ended[lane] = phase != Phase::intersect;
+      is_last[lane] = has_ended[lane] && leave(slot);
     });
     accept(warp_.where(busy_, [&](int lane) { return is_nearer[lane]; }), hits);
-    const LaneMask ended = warp_.where(busy_, [&](int lane) { return phases[lane] != Phase::intersect; });
-    busy_ &= ~ended;
-    release(ended, slot_of);
+    answer(warp_.where(busy_, [&](int lane) { return is_last[lane]; }), slot_of);
+    busy_ &= ~warp_.where(busy_, [&](int lane) { return has_ended[lane]; });
   }
 
   // Takes the candidates of the lanes: for each ray one after the other, as it has but one hit.
   ACCEL_HD void accept(LaneMask lanes, PerLane<Hit>& candidates) {
+    const auto winner = [&](int lane) -> std::uint32_t& { return memory_.winners[pair_[lane].slot]; };
     while (lanes != 0) {
-      const auto winner = [&](int lane) -> std::uint32_t& { return memory_.winners[pair_[lane].at.slot]; };
       warp_.run(WarpStep::queues, lanes,
                 [&](int lane, auto&) { warp_.write_any(winner(lane), static_cast<std::uint32_t>(lane)); });
       const LaneMask now = warp_.where(lanes, [&](int lane) { return winner(lane) == static_cast<std::uint32_t>(lane); });
       warp_.run(WarpStep::queues, now, [&](int lane, auto&) {
-        accept_hit(candidates[lane], candidates[lane].t, memory_.hits[pair_[lane].at.slot]);
+        accept_hit(candidates[lane], candidates[lane].t, memory_.hits[pair_[lane].slot]);
       });
       lanes &= ~now;
     }
   }
 
-  // The lanes leave their rays. Who is the last to leave a ray writes its answer and frees its slot.
-  template <class SlotOf>
-  ACCEL_HD void release(LaneMask lanes, const SlotOf& slot_of) {
-    PerLane<bool> is_last;
-    warp_.run(WarpStep::queues, lanes, [&](int lane, auto& observer) {
-      is_last[lane] = warp_.add(memory_.waiting[slot_of(lane)], ~0u) == 1;
-      if (is_last[lane]) answer(slot_of(lane), observer);
-    });
-    const LaneMask last = warp_.where(lanes, [&](int lane) { return is_last[lane]; });
-    free_.push(warp_, last, slot_of);
+  // Gives the lanes entries of a queue, as long as there are any, of rays that are not answered yet. Returns the lanes that have
+  // got one.
+  template <class Queue, class SlotOf, class Give>
+  ACCEL_HD LaneMask take_unanswered(Queue& queue, LaneMask lanes, const SlotOf& slot_of, const Give& give) {
+    LaneMask served = 0;
+    while (lanes != served && queue.size() > 0) {
+      LaneMask now = queue.take(warp_, lanes & ~served, [&](int lane, auto& entry, auto&) { give(lane, entry); });
+      drop_answered(now, slot_of);
+      served |= now;
+    }
+    return served;
   }
 
-  template <class Observer>
-  ACCEL_HD void answer(std::uint32_t slot, Observer& observer) {
-    Hit hit = memory_.hits[slot];
-    finish_hit(hit);
-    Answer* const to = answers_ + memory_.ids[slot];
-    store_answer(hit, *to);
-    observer.store(accel::Memory::ray, to, sizeof *to);
+  // Takes the lanes from the set whose any-hit queries have their answer.
+  template <class SlotOf>
+  ACCEL_HD void drop_answered(LaneMask& lanes, const SlotOf& slot_of) {
+    if constexpr (kQuery == Query::any) {
+      const LaneMask answered = warp_.where(lanes, [&](int lane) { return memory_.hits[slot_of(lane)].valid(); });
+      PerLane<bool> is_last;
+      warp_.run(WarpStep::queues, answered, [&](int lane, auto&) { is_last[lane] = leave(slot_of(lane)); });
+      answer(warp_.where(answered, [&](int lane) { return is_last[lane]; }), slot_of);
+      lanes &= ~answered;
+    }
+  }
+
+  // Whether this was the last entry of the ray.
+  ACCEL_HD bool leave(std::uint32_t slot) { return warp_.add(memory_.entries[slot], ~0u) == 1; }
+
+  // Writes the answers of rays that are in no queue, and frees their slots.
+  template <class SlotOf>
+  ACCEL_HD void answer(LaneMask lanes, const SlotOf& slot_of) {
+    free_.push(warp_, lanes, [&](int lane, auto& observer) {
+      const std::uint32_t slot = slot_of(lane);
+      Hit hit = memory_.hits[slot];
+      finish_hit(hit);
+      Answer* const to = answers_ + memory_.ids[slot];
+      store_answer(hit, *to);
+      observer.store(Memory::ray, to, sizeof *to);
+      return slot;
+    });
   }
 
   const LocalizedTasks tasks_;
   Answer* answers_;
-  Memory& memory_;
+  SharedMemory& memory_;
   Lanes& warp_;
   bool has_tasks_ = true;
   WarpQueue<SlotAndPlace, kRaysInHand> boxes_;
-  WarpQueue<SlotAndQuad, Memory::kPairs> pairs_;
+  WarpQueue<SlotAndQuad, SharedMemory::kPairs> pairs_;
   WarpQueue<std::uint32_t, kRaysInHand> free_;
-  LaneMask busy_ = 0;  // lanes that are in a leaf
-  PerLane<Pair> pair_;
+
+  LaneMask busy_ = 0;  // lanes that have a pair
+  PerLane<SlotAndQuad> pair_;
+  PerLane<typename Test::RayData> data_;
 };
 
 }  // namespace accel

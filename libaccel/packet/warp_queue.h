@@ -44,19 +44,22 @@ class WarpQueue {
 
   ACCEL_HD std::uint32_t size() const { return size_; }
 
-  // Appends value(lane) for each of the lanes.
+  // Appends value(lane, observer) for each of the lanes.
   template <class Lanes, class Value>
   ACCEL_HD void push(Lanes& warp, LaneMask lanes, const Value& value) {
     ACCEL_ASSERT(size_ + warp.count(lanes) <= kCapacity);
-    warp.run(WarpStep::queues, lanes, [&](int lane, auto&) { at(size_ + warp.rank(lanes, lane)) = value(lane); });
+    warp.run(WarpStep::queues, lanes,
+             [&](int lane, auto& observer) { at(size_ + warp.rank(lanes, lane)) = value(lane, observer); });
     size_ += warp.count(lanes);
   }
 
-  // give(lane, entry) for the lanes, the lowest first, as long as there are entries. Returns the lanes that have got one.
+  // give(lane, entry, observer) for the lanes, the lowest first, as long as there are entries. Returns the lanes that have got
+  // one.
   template <class Lanes, class Give>
   ACCEL_HD LaneMask take(Lanes& warp, LaneMask lanes, const Give& give) {
     const LaneMask served = warp.where(lanes, [&](int lane) { return warp.rank(lanes, lane) < size_; });
-    warp.run(WarpStep::queues, served, [&](int lane, auto&) { give(lane, at(warp.rank(lanes, lane))); });
+    warp.run(WarpStep::queues, served,
+             [&](int lane, auto& observer) { give(lane, at(warp.rank(lanes, lane)), observer); });
     first_ += warp.count(served), size_ -= warp.count(served);
     return served;
   }

@@ -21,13 +21,13 @@ TEST(WarpQueue, GivesWhatCameFirstToTheLowestLanes) {
   for (int turn = 0; turn < 2000; ++turn) {
     const LaneMask givers = static_cast<LaneMask>(rng.next_u64()) & static_cast<LaneMask>(rng.next_u64());
     if (expected.size() + warp.count(givers) <= 64) {
-      queue.push(warp, givers, [&](int lane) { return 100 * (next + warp.rank(givers, lane)); });
+      queue.push(warp, givers, [&](int lane, auto&) { return 100 * (next + warp.rank(givers, lane)); });
       for (std::uint32_t i = 0; i < warp.count(givers); ++i) expected.push_back(100 * next++);
     }
     most = std::max(most, queue.size());
     const LaneMask takers = static_cast<LaneMask>(rng.next_u64()) & static_cast<LaneMask>(rng.next_u64());
     LaneMask served = 0;
-    const LaneMask told = queue.take(warp, takers, [&](int lane, std::uint32_t entry) {
+    const LaneMask told = queue.take(warp, takers, [&](int lane, std::uint32_t entry, auto&) {
       served |= 1u << lane;
       ASSERT_EQ(entry, expected.front());
       expected.pop_front();
@@ -45,8 +45,8 @@ TEST(WarpQueue, NobodyIsServedByAnEmptyOne) {
   std::uint32_t memory[32];
   WarpQueue<std::uint32_t, 32> queue(memory);
   SimtLanes warp(0, 0);
-  EXPECT_EQ(queue.take(warp, kEveryLane, [](int, std::uint32_t) { FAIL(); }), 0u);
-  queue.push(warp, 0, [](int) { return 0u; });
+  EXPECT_EQ(queue.take(warp, kEveryLane, [](int, std::uint32_t, auto&) { FAIL(); }), 0u);
+  queue.push(warp, 0, [](int, auto&) { return 0u; });
   EXPECT_EQ(queue.size(), 0u);
   EXPECT_EQ(warp.profile().queues.steps, 0u) << "nothing is issued for no lanes";
 }
