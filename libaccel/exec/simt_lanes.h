@@ -23,10 +23,14 @@ struct WarpProfile {
 
   SimtProfile::PhaseSteps& of(WarpStep step) {
     switch (step) {
-      case WarpStep::fetch: return simt.fetch;
-      case WarpStep::boxes: return simt.descend;
-      case WarpStep::triangles: return simt.intersect;
-      case WarpStep::queues: break;
+      case WarpStep::fetch:
+        return simt.fetch;
+      case WarpStep::boxes:
+        return simt.descend;
+      case WarpStep::triangles:
+        return simt.intersect;
+      case WarpStep::queues:
+        break;
     }
     return queues;
   }

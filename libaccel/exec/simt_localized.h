@@ -10,8 +10,8 @@
 
 namespace accel {
 
-// Each warp works off `rays_per_warp` tasks, a fixed share as in exec/simt.h. answers[i] answers ray i of the tasks. O(tests), on
-// the calling thread. May throw std::bad_alloc.
+// Each warp works off `rays_per_warp` tasks, a fixed share as in exec/simt.h. answers[i] answers ray i of the tasks. O(tests),
+// on the calling thread. May throw std::bad_alloc.
 template <class Test, Query kQuery, std::uint32_t kRaysInHand, class Answer>
 WarpProfile simulate_localized(const LocalizedTasks& tasks, Answer* answers, std::uint32_t rays_per_warp) {
   WarpProfile total;

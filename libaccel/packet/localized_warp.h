@@ -1,28 +1,32 @@
 // Localized intersection by a warp whose lanes stay at work. Garanzha and Loop 2010 [GL10], section 3.4.
 //
-// In [GL10]'s kernel (Fig. 10; packet/localized_ray.h) a lane is a ray. It idles while other rays of its warp test the triangles
-// of a leaf whose box it has missed, when an any-hit query has its answer, and where a packet has no ray for it. Here a lane
-// takes whatever there is to test, of any ray in the warp's hand:
+// In [GL10]'s kernel (Fig. 10; packet/localized_ray.h) a lane is a ray. It idles while other rays of its warp test the
+// triangles of a leaf whose box it has missed, when an any-hit query has its answer, and where a packet has no ray for it. Here
+// a lane takes whatever there is to test, of any ray in the warp's hand:
 //
-//   rays     as many as kRaysInHand, in memory that the warp shares; lanes fetch more, of whatever packet comes next, when there
+//   rays     as many as kRaysInHand, in memory that the warp shares; lanes fetch more, of whatever packet comes next, when
+//   there
 //            is room for 32 (persistent threads, as in [GL10])
-//   boxes    a queue of rays, each with the next leaf of its packet: 32 lanes take 32 of them, test the boxes, append those that
-//            have leaves left again, and those that enter their leaf's box to
-//   pairs    a queue of rays with a leaf. A lane that has none takes one, and tests one triangle of it at a time; this happens
-//            whenever there are pairs for all lanes
+//   boxes    a queue of rays, each with the next leaf of its packet. A lane that has no ray takes one, tests the boxes of its
+//            next kTurn leaves, one a step, and puts it back
+//   pairs    a queue of rays with a leaf whose box they enter. A lane that has no pair takes one, and tests its triangles, one
+//            a step; this happens whenever there are pairs for all lanes
 //
-// Rays that have their answer leave the queues without a test.
+// Rays that have their answer leave the queues without a test. They make few tests too many, since the pairs of a ray have been
+// tested when its turn comes again: that is why rays take turns, and why there are more in hand than lanes.
 //
 // Hits are those of single rays, since the nearest hit (the lowest prim_id among equals) does not depend on the order of tests.
-// Boxes are tested with the hit of triangles tested so far, so a ray meets no fewer triangles than alone; the exception is that
-// of exec/simt.h: a hit that rounding has moved out of its box may be found in more orders than one. Rays of a packet enter the
-// queue of boxes together and come round together, at the next leaf: a step still reads few nodes and triangles. Whoever holds
-// many rays tests few boxes too many, because the pairs of a ray have been tested when it comes round again.
+// Boxes are tested with the hit of the triangles tested so far, so a ray meets no fewer triangles than alone. The exception is
+// that of exec/simt.h: a hit that rounding has moved out of its box may be found in one order and not in another.
 //
-// Bounds. A ray is in the queue of boxes once, so that has room for all in hand. Boxes are tested only while fewer than 32 pairs
-// are ready, and each lane adds one at most: pairs never are more than 63.
+// Bounds. A ray is in the queue of boxes, or with a lane that tests boxes, once: there is room for all in hand. Boxes are
+// tested only while fewer than 32 pairs are ready, and each lane adds one at most: the queue never has more than 63.
 //
-// Memory: 72 bytes a ray in hand, and 512. Written against Lanes: packet/warp_queue.h.
+// Costs. Rays of a packet go through its leaves together, but rays of several packets meet in a step, which reads more nodes
+// and triangles than a warp of one packet. And queues take instructions: by count of PTX some 25 an operation, where a box has
+// 70 and a triangle 95 to 310. Which kernel is the faster one is for a device to tell.
+//
+// Memory: 76 bytes a ray in hand, and 512. Written against Lanes: packet/warp_queue.h.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +36,7 @@
 
 namespace accel {
 
-// Steps of 32 are then seldom short of rays, and four warps have room in every device's shared memory.
+// Enough that a ray's turn comes after its pairs' as a rule; four warps have room in every device's shared memory.
 inline constexpr std::uint32_t kLocalizedRaysInHand = 128;
 
 // A ray by number, and its packet by its place among those that meet anything.
@@ -51,7 +55,7 @@ struct LocalizedTasks {
   std::uint32_t count = 0;                // of tasks
 };
 
-// A ray in hand, by slot, with the next leaf to test, and with a triangle.
+// A ray in hand, by slot, with the place of its next leaf, and with a triangle of a leaf whose box it enters.
 struct SlotAndPlace {
   std::uint32_t slot, next;
 };
@@ -77,6 +81,7 @@ struct LocalizedMemory {
 template <class Test, Query kQuery, std::uint32_t kRaysInHand, class Lanes, class Answer>
 class LocalizedWarp {
   static_assert(kRaysInHand >= kLanes);
+  static constexpr std::uint32_t kTurn = 2;  // boxes
 
  public:
   using SharedMemory = LocalizedMemory<kRaysInHand>;
@@ -104,17 +109,18 @@ class LocalizedWarp {
   }
   ACCEL_HD bool step() {
     fetch();
-    const std::uint32_t ready = warp_.count(busy_) + pairs_.size();
-    if (ready == 0 && boxes_.size() == 0) return false;
-    if (ready >= kLanes || ready > boxes_.size())
+    const std::uint32_t boxes = warp_.count(searching_) + boxes_.size(), pairs = warp_.count(busy_) + pairs_.size();
+    if (boxes == 0 && pairs == 0) return false;
+    if (pairs >= kLanes || pairs > boxes)
       test_triangles();
     else
       test_boxes();
     return true;
   }
 
-  std::uint32_t pairs() const { return pairs_.size(); }  // in the queue
-  std::uint32_t boxes() const { return boxes_.size(); }
+  // In queues.
+  std::uint32_t waiting_boxes() const { return boxes_.size(); }
+  std::uint32_t waiting_pairs() const { return pairs_.size(); }
 
  private:
   template <class T>
@@ -148,42 +154,45 @@ class LocalizedWarp {
     return tasks_.firsts[task.active];
   }
 
-  // Each lane tests the next leaf's box of a ray.
+  // Each lane tests the box of its ray's next leaf.
   ACCEL_HD void test_boxes() {
-    PerLane<SlotAndPlace> at;
-    const auto slot_of = [&](int lane) { return at[lane].slot; };
-    const LaneMask lanes = take_unanswered(boxes_, kEveryLane, slot_of, [&](int lane, auto& entry) { at[lane] = entry; });
-
+    take_rays();
     PerLane<std::uint32_t> quads;
     PerLane<bool> is_last;
-    warp_.run(WarpStep::boxes, lanes, [&](int lane, auto& observer) {
-      const std::uint32_t slot = slot_of(lane);
-      const Ray ray = memory_.rays[slot];
-      const auto box = ScalarBoxPairTest::prepare(ray, first_t(ray));
-      quads[lane] = enter_leaf(tasks_.nodes, tasks_.places + at[lane].next++, box, memory_.hits[slot].t, observer);
+    warp_.run(WarpStep::boxes, searching_, [&](int lane, auto& observer) {
+      const std::uint32_t slot = ray_[lane].slot;
+      quads[lane] = enter_leaf(tasks_.nodes, tasks_.places + ray_[lane].next++, box_[lane], memory_.hits[slot].t, observer);
       // No other lane of this step has the ray.
-      memory_.entries[slot] += (goes_on(at[lane]) ? 1u : 0u) + (quads[lane] != kNoNode ? 1u : 0u) - 1u;
+      memory_.entries[slot] += (goes_on(ray_[lane]) ? 1u : 0u) + (quads[lane] != kNoNode ? 1u : 0u) - 1u;
       is_last[lane] = memory_.entries[slot] == 0;
     });
-    const LaneMask entered = warp_.where(lanes, [&](int lane) { return quads[lane] != kNoNode; });
-    pairs_.push(warp_, entered, [&](int lane, auto&) { return SlotAndQuad{slot_of(lane), quads[lane]}; });
-    boxes_.push(warp_, warp_.where(lanes, [&](int lane) { return goes_on(at[lane]); }), [&](int lane, auto&) { return at[lane]; });
-    answer(warp_.where(lanes, [&](int lane) { return is_last[lane]; }), slot_of);
+    const LaneMask entered = warp_.where(searching_, [&](int lane) { return quads[lane] != kNoNode; });
+    pairs_.push(warp_, entered, [&](int lane, auto&) { return SlotAndQuad{ray_[lane].slot, quads[lane]}; });
+    answer(warp_.where(searching_, [&](int lane) { return is_last[lane]; }), ray_);
+    searching_ = warp_.where(searching_, [&](int lane) { return goes_on(ray_[lane]); });
+  }
+
+  // Gives all lanes a ray, as long as there are any. Turns of all lanes end together.
+  ACCEL_HD void take_rays() {
+    if (++step_of_turn_ == kTurn) {
+      boxes_.push(warp_, searching_, [&](int lane, auto&) { return ray_[lane]; });
+      searching_ = 0, step_of_turn_ = 0;
+    }
+    drop_answered(searching_, ray_);
+    searching_ |= take_unanswered(boxes_, ~searching_, ray_, [&](int lane, const Ray& ray) {
+      box_[lane] = ScalarBoxPairTest::prepare(ray, first_t(ray));
+    });
   }
   ACCEL_HD bool goes_on(const SlotAndPlace& at) const { return at.next < memory_.ends[at.slot]; }
 
   // Each lane tests a triangle of its pair.
   ACCEL_HD void test_triangles() {
-    const auto slot_of = [&](int lane) { return pair_[lane].slot; };
-    drop_answered(busy_, slot_of);
-    busy_ |= take_unanswered(pairs_, ~busy_, slot_of, [&](int lane, auto& entry) {
-      pair_[lane] = entry, data_[lane] = Test::prepare(memory_.rays[entry.slot]);
-    });
-
+    drop_answered(busy_, pair_);
+    busy_ |= take_unanswered(pairs_, ~busy_, pair_, [&](int lane, const Ray& ray) { data_[lane] = Test::prepare(ray); });
     PerLane<Hit> hits;
     PerLane<bool> is_nearer, has_ended, is_last;
     warp_.run(WarpStep::triangles, busy_, [&](int lane, auto& observer) {
-      const std::uint32_t slot = slot_of(lane);
+      const std::uint32_t slot = pair_[lane].slot;
       const Ray ray = memory_.rays[slot];
       const Hit before = hits[lane] = memory_.hits[slot];
       const Phase phase = intersect_next<Test, kQuery>(tasks_.leaves, ray, data_[lane], first_t(ray), pair_[lane].quad,
@@ -193,7 +202,7 @@ class LocalizedWarp {
       is_last[lane] = has_ended[lane] && leave(slot);
     });
     accept(warp_.where(busy_, [&](int lane) { return is_nearer[lane]; }), hits);
-    answer(warp_.where(busy_, [&](int lane) { return is_last[lane]; }), slot_of);
+    answer(warp_.where(busy_, [&](int lane) { return is_last[lane]; }), pair_);
     busy_ &= ~warp_.where(busy_, [&](int lane) { return has_ended[lane]; });
   }
 
@@ -204,34 +213,36 @@ class LocalizedWarp {
       warp_.run(WarpStep::queues, lanes,
                 [&](int lane, auto&) { warp_.write_any(winner(lane), static_cast<std::uint32_t>(lane)); });
       const LaneMask now = warp_.where(lanes, [&](int lane) { return winner(lane) == static_cast<std::uint32_t>(lane); });
-      warp_.run(WarpStep::queues, now, [&](int lane, auto&) {
-        accept_hit(candidates[lane], candidates[lane].t, memory_.hits[pair_[lane].slot]);
-      });
+      warp_.run(WarpStep::queues, now,
+                [&](int lane, auto&) { accept_hit(candidates[lane], candidates[lane].t, memory_.hits[pair_[lane].slot]); });
       lanes &= ~now;
     }
   }
 
-  // Gives the lanes entries of a queue, as long as there are any, of rays that are not answered yet. Returns the lanes that have
-  // got one.
-  template <class Queue, class SlotOf, class Give>
-  ACCEL_HD LaneMask take_unanswered(Queue& queue, LaneMask lanes, const SlotOf& slot_of, const Give& give) {
+  // Gives the lanes entries of a queue, as long as there are any, of rays that are not answered yet, and prepares for their
+  // rays. Returns the lanes that have got one.
+  template <class Queue, class Entries, class Prepare>
+  ACCEL_HD LaneMask take_unanswered(Queue& queue, LaneMask lanes, Entries& entries, const Prepare& prepare) {
     LaneMask served = 0;
     while (lanes != served && queue.size() > 0) {
-      LaneMask now = queue.take(warp_, lanes & ~served, [&](int lane, auto& entry, auto&) { give(lane, entry); });
-      drop_answered(now, slot_of);
+      LaneMask now = queue.take(warp_, lanes & ~served, [&](int lane, const auto& entry, auto&) {
+        entries[lane] = entry;
+        prepare(lane, memory_.rays[entry.slot]);
+      });
+      drop_answered(now, entries);
       served |= now;
     }
     return served;
   }
 
   // Takes the lanes from the set whose any-hit queries have their answer.
-  template <class SlotOf>
-  ACCEL_HD void drop_answered(LaneMask& lanes, const SlotOf& slot_of) {
+  template <class Entries>
+  ACCEL_HD void drop_answered(LaneMask& lanes, Entries& entries) {
     if constexpr (kQuery == Query::any) {
-      const LaneMask answered = warp_.where(lanes, [&](int lane) { return memory_.hits[slot_of(lane)].valid(); });
+      const LaneMask answered = warp_.where(lanes, [&](int lane) { return memory_.hits[entries[lane].slot].valid(); });
       PerLane<bool> is_last;
-      warp_.run(WarpStep::queues, answered, [&](int lane, auto&) { is_last[lane] = leave(slot_of(lane)); });
-      answer(warp_.where(answered, [&](int lane) { return is_last[lane]; }), slot_of);
+      warp_.run(WarpStep::queues, answered, [&](int lane, auto&) { is_last[lane] = leave(entries[lane].slot); });
+      answer(warp_.where(answered, [&](int lane) { return is_last[lane]; }), entries);
       lanes &= ~answered;
     }
   }
@@ -239,11 +250,11 @@ class LocalizedWarp {
   // Whether this was the last entry of the ray.
   ACCEL_HD bool leave(std::uint32_t slot) { return warp_.add(memory_.entries[slot], ~0u) == 1; }
 
-  // Writes the answers of rays that are in no queue, and frees their slots.
-  template <class SlotOf>
-  ACCEL_HD void answer(LaneMask lanes, const SlotOf& slot_of) {
+  // Writes the answers of rays that have no entry left, and frees their slots.
+  template <class Entries>
+  ACCEL_HD void answer(LaneMask lanes, Entries& entries) {
     free_.push(warp_, lanes, [&](int lane, auto& observer) {
-      const std::uint32_t slot = slot_of(lane);
+      const std::uint32_t slot = entries[lane].slot;
       Hit hit = memory_.hits[slot];
       finish_hit(hit);
       Answer* const to = answers_ + memory_.ids[slot];
@@ -262,7 +273,12 @@ class LocalizedWarp {
   WarpQueue<SlotAndQuad, SharedMemory::kPairs> pairs_;
   WarpQueue<std::uint32_t, kRaysInHand> free_;
 
-  LaneMask busy_ = 0;  // lanes that have a pair
+  // Lanes that test boxes, with their rays, and lanes that test triangles.
+  LaneMask searching_ = 0;
+  std::uint32_t step_of_turn_ = 0;
+  PerLane<SlotAndPlace> ray_;
+  PerLane<ScalarBoxPairTest> box_;
+  LaneMask busy_ = 0;
   PerLane<SlotAndQuad> pair_;
   PerLane<typename Test::RayData> data_;
 };

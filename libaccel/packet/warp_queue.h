@@ -58,8 +58,7 @@ class WarpQueue {
   template <class Lanes, class Give>
   ACCEL_HD LaneMask take(Lanes& warp, LaneMask lanes, const Give& give) {
     const LaneMask served = warp.where(lanes, [&](int lane) { return warp.rank(lanes, lane) < size_; });
-    warp.run(WarpStep::queues, served,
-             [&](int lane, auto& observer) { give(lane, at(warp.rank(lanes, lane)), observer); });
+    warp.run(WarpStep::queues, served, [&](int lane, auto& observer) { give(lane, at(warp.rank(lanes, lane)), observer); });
     first_ += warp.count(served), size_ -= warp.count(served);
     return served;
   }

@@ -1,4 +1,5 @@
-// The lanes of a warp (packet/warp_queue.h) on a device: each thread is one of them, and what is not PerLane is the same in all.
+// The lanes of a warp (packet/warp_queue.h) on a device: each thread is one of them, and what is not PerLane is the same in
+// all.
 #pragma once
 
 #include <cstdint>

@@ -48,6 +48,7 @@ Status launch_in_blocks(const Bvh2View& view, const Launch& launch, Answer* answ
   options.block_size = *block_size;
   options.budget = kBudget;
   const auto intersect = [&](const LocalizedTasks& tasks, Answer* block_answers) {
+    if (!launch.packet_queues) return IntersectByRay<CudaPrimitives, Test, kQuery>{}(tasks, block_answers);
     const Status launched = launch_localized<Test, kQuery>(tasks, block_answers, launch.next_ray);
     if (!launched) throw DeviceFailure{launched.error()};
   };
@@ -58,9 +59,8 @@ Status launch_in_blocks(const Bvh2View& view, const Launch& launch, Answer* answ
     throw_unless_done(cudaMemsetAsync(others.next_ray, 0, sizeof *others.next_ray), "cudaMemsetAsync");
     if (const Status traced = trace_others(others, ids); !traced) throw DeviceFailure{traced.error()};
   };
-  return caught([&] {
-    trace_packets<CudaPrimitives>(view, options, launch.rays, launch.ray_count, answers, intersect, trace_singly);
-  });
+  return caught(
+      [&] { trace_packets<CudaPrimitives>(view, options, launch.rays, launch.ray_count, answers, intersect, trace_singly); });
 }
 
 using PacketLaunch = Status (*)(const Bvh2View&, const Launch&, const TraceOthers&);

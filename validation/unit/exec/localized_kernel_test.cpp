@@ -17,13 +17,10 @@ template <Query kQuery, class Answer>
 void expect_answers_of_single_rays(const Bvh2& tree, const test::TaskArrays& arrays) {
   std::vector<Answer> expected(arrays.rays.size()), answers(arrays.rays.size());
   NullObserver observer;
-  for (const LocalizedTask& task : arrays.tasks)
-    store_answer(arrays.alone<kQuery>(tree, task, observer), expected[task.ray]);
+  for (const LocalizedTask& task : arrays.tasks) store_answer(arrays.alone<kQuery>(tree, task, observer), expected[task.ray]);
   std::memset(static_cast<void*>(answers.data()), 0xab, answers.size() * sizeof(Answer));
   std::uint32_t next_task = 0;
-  run_warps(1, [&] {
-    cuda::localized_kernel<Watertight, kQuery, Answer>(arrays.view(tree), answers.data(), &next_task);
-  });
+  run_warps(1, [&] { cuda::localized_kernel<Watertight, kQuery, Answer>(arrays.view(tree), answers.data(), &next_task); });
   EXPECT_EQ(std::memcmp(answers.data(), expected.data(), answers.size() * sizeof(Answer)), 0);
   EXPECT_GE(next_task, arrays.tasks.size());
 }
@@ -39,7 +36,8 @@ TEST(LocalizedKernel, AnswersAreThoseOfSingleRays) {
     arrays.tasks.erase(arrays.tasks.begin(), arrays.tasks.end() - static_cast<std::ptrdiff_t>(count));
     // Rays that are in no task are nobody's.
     std::vector<Ray> rays;
-    for (LocalizedTask& task : arrays.tasks) rays.push_back(arrays.rays[task.ray]), task.ray = static_cast<std::uint32_t>(rays.size() - 1);
+    for (LocalizedTask& task : arrays.tasks)
+      rays.push_back(arrays.rays[task.ray]), task.ray = static_cast<std::uint32_t>(rays.size() - 1);
     arrays.rays = rays;
     expect_answers_of_single_rays<Query::closest, Hit>(tree, arrays);
     expect_answers_of_single_rays<Query::any, std::uint8_t>(tree, arrays);

@@ -35,7 +35,7 @@ template <Query kQuery>
 WarpProfile simulate(const Scene& scene, std::uint32_t rays_per_warp = 1024) {
   std::vector<Hit> hits(scene.arrays.rays.size());
   return simulate_localized<Watertight, kQuery, kLocalizedRaysInHand>(scene.arrays.view(scene.tree), hits.data(),
-                                                                       rays_per_warp);
+                                                                      rays_per_warp);
 }
 
 // Rays that hit nothing test the same boxes and triangles in any order: every pair of a ray and a leaf once.
@@ -120,8 +120,7 @@ TEST(SimtLocalized, FewerStepsThanARayALane) {
       rays.push_back(scene.arrays.rays[scene.arrays.tasks[first].ray]);
     const PacketLeaves leaves{scene.tree.octo.data(), scene.tree.leaves.data(), scene.arrays.places.data() + places,
                               scene.arrays.firsts[active + 1] - places};
-    by_ray +=
-        simulate_simt<LocalizedRay<Watertight, Query::any>>(leaves, rays, {}, {.schedule = SimtSchedule::if_while}, 1);
+    by_ray += simulate_simt<LocalizedRay<Watertight, Query::any>>(leaves, rays, {}, {.schedule = SimtSchedule::if_while}, 1);
   }
   const SimtProfile queued = simulate<Query::any>(scene).simt;
   EXPECT_LT(queued.descend.steps + queued.intersect.steps, (by_ray.descend.steps + by_ray.intersect.steps) / 2);

@@ -33,8 +33,13 @@ struct TaskArrays {
   }
 
   LocalizedTasks view(const Bvh2& tree) const {
-    return {tree.octo.data(), tree.leaves.data(), rays.data(),  tasks.data(),
-            firsts.data(),    places.data(),      static_cast<std::uint32_t>(tasks.size())};
+    return {tree.octo.data(),
+            tree.leaves.data(),
+            rays.data(),
+            tasks.data(),
+            firsts.data(),
+            places.data(),
+            static_cast<std::uint32_t>(tasks.size())};
   }
 
   // One ray by itself: [GL10], Fig. 10.

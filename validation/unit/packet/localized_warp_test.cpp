@@ -24,11 +24,11 @@ std::uint32_t run(const LocalizedTasks& tasks, std::vector<Answer>& answers) {
   std::uint32_t most = 0;
   warp.begin();
   while (warp.step()) {
-    most = std::max(most, warp.pairs());
-    EXPECT_LT(warp.pairs(), 2 * kLanes);
-    EXPECT_LE(warp.boxes(), kRaysInHand);
+    most = std::max(most, warp.waiting_pairs());
+    EXPECT_LT(warp.waiting_pairs(), 2 * kLanes);
+    EXPECT_LE(warp.waiting_boxes(), kRaysInHand);
   }
-  EXPECT_EQ(warp.pairs() + warp.boxes(), 0u);
+  EXPECT_EQ(warp.waiting_pairs() + warp.waiting_boxes(), 0u);
   return most;
 }
 
