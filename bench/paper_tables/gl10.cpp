@@ -160,9 +160,9 @@ std::string simt_table(const std::vector<SceneResult>& results) {
 std::string idle_table(const std::vector<SceneResult>& results) {
   const std::string text = heading(
       "Where lanes idle that have a ray each: percentages of all lanes in steps that test boxes, and in steps that test "
-      "triangles, which are so many of all steps");
-  TextTable table({"rays", "boxes:", "no ray", "answered", "triangles:", "no ray", "answered", "missed box", "of steps"});
-  table.add({"", "at work", "", "", "at work", "", "", "", ""});
+      "triangles, which are so many of all steps; lanes have missed the box whose triangles others test");
+  TextTable table({"", "boxes:", "", "", "triangles:", "", "", "", ""});
+  table.add({"rays", "at work", "no ray", "answered", "at work", "no ray", "answered", "missed", "steps"});
   for (std::size_t s = 0; s < results.size(); ++s) {
     table.add({title_of(results[s], s)});
     for (int m = 0; m < kModels; ++m) {

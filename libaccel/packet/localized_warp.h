@@ -4,27 +4,27 @@
 // triangles of a leaf whose box it has missed, when an any-hit query has its answer, and where a packet has no ray for it. Here
 // a lane takes whatever there is to test, of any ray in the warp's hand:
 //
-//   rays     as many as kRaysInHand, in memory that the warp shares; lanes fetch more, of whatever packet comes next, when
-//   there
-//            is room for 32 (persistent threads, as in [GL10])
-//   boxes    a queue of rays, each with the next leaf of its packet. A lane that has no ray takes one, tests the boxes of its
-//            next kTurn leaves, one a step, and puts it back
-//   pairs    a queue of rays with a leaf whose box they enter. A lane that has no pair takes one, and tests its triangles, one
-//            a step; this happens whenever there are pairs for all lanes
+//   rays    as many as kRaysInHand, in memory that the warp shares. When half of it is free, lanes fetch more, of whatever
+//           packets come next (persistent threads, as in [GL10])
+//   boxes   a queue of rays, each with the next leaf of its packet. Lanes take one each, test the leaf's box, and put the ray
+//           back if it has leaves left
+//   pairs   a queue of rays with a leaf whose box they enter. A lane that has no pair takes one, and tests its triangles, one a
+//           step; this happens whenever there are pairs for all lanes
 //
-// Rays that have their answer leave the queues without a test. They make few tests too many, since the pairs of a ray have been
-// tested when its turn comes again: that is why rays take turns, and why there are more in hand than lanes.
+// Rays that have their answer leave the queues without a test. They make few tests too many, because there are more rays in
+// hand than lanes: the pairs of a ray have been tested, as a rule, when its turn comes again.
 //
 // Hits are those of single rays, since the nearest hit (the lowest prim_id among equals) does not depend on the order of tests.
 // Boxes are tested with the hit of the triangles tested so far, so a ray meets no fewer triangles than alone. The exception is
 // that of exec/simt.h: a hit that rounding has moved out of its box may be found in one order and not in another.
 //
-// Bounds. A ray is in the queue of boxes, or with a lane that tests boxes, once: there is room for all in hand. Boxes are
-// tested only while fewer than 32 pairs are ready, and each lane adds one at most: the queue never has more than 63.
+// Bounds. A ray is in the queue of boxes once: there is room for all in hand. Boxes are tested only while fewer than 32 pairs
+// are ready, and each lane adds one at most: the queue of pairs never has more than 63.
 //
-// Costs. Rays of a packet go through its leaves together, but rays of several packets meet in a step, which reads more nodes
-// and triangles than a warp of one packet. And queues take instructions: by count of PTX some 25 an operation, where a box has
-// 70 and a triangle 95 to 310. Which kernel is the faster one is for a device to tell.
+// Costs. Rays that are fetched together go through the leaves of their packet together, but rays of several packets meet in a
+// step, which reads more nodes and triangles than a warp of one packet: the more so, the fewer are fetched at a time. And
+// queues take instructions: by count of PTX some 25 an operation, where a box has 70 and a triangle 95 to 310. Which kernel is
+// the faster one is for a device to tell.
 //
 // Memory: 76 bytes a ray in hand, and 512. Written against Lanes: packet/warp_queue.h.
 #pragma once
@@ -81,7 +81,7 @@ struct LocalizedMemory {
 template <class Test, Query kQuery, std::uint32_t kRaysInHand, class Lanes, class Answer>
 class LocalizedWarp {
   static_assert(kRaysInHand >= kLanes);
-  static constexpr std::uint32_t kTurn = 2;  // boxes
+  static constexpr std::uint32_t kFetchedTogether = kRaysInHand / 2 < kLanes ? kLanes : kRaysInHand / 2;
 
  public:
   using SharedMemory = LocalizedMemory<kRaysInHand>;
@@ -109,9 +109,9 @@ class LocalizedWarp {
   }
   ACCEL_HD bool step() {
     fetch();
-    const std::uint32_t boxes = warp_.count(searching_) + boxes_.size(), pairs = warp_.count(busy_) + pairs_.size();
-    if (boxes == 0 && pairs == 0) return false;
-    if (pairs >= kLanes || pairs > boxes)
+    const std::uint32_t pairs = warp_.count(busy_) + pairs_.size();
+    if (pairs == 0 && boxes_.size() == 0) return false;
+    if (pairs >= kLanes || pairs > boxes_.size())
       test_triangles();
     else
       test_boxes();
@@ -127,6 +127,7 @@ class LocalizedWarp {
   using PerLane = typename Lanes::template PerLane<T>;
 
   ACCEL_HD void fetch() {
+    if (free_.size() < kFetchedTogether) return;
     while (has_tasks_ && free_.size() >= kLanes) {
       const ClaimedWork work = warp_.claim(kLanes, tasks_.count);
       has_tasks_ = work.count == kLanes;
@@ -154,34 +155,26 @@ class LocalizedWarp {
     return tasks_.firsts[task.active];
   }
 
-  // Each lane tests the box of its ray's next leaf.
+  // Each lane tests the box of a ray's next leaf.
   ACCEL_HD void test_boxes() {
-    take_rays();
+    PerLane<SlotAndPlace> at;
+    PerLane<ScalarBoxPairTest> boxes;
+    const LaneMask lanes = take_unanswered(
+        boxes_, kEveryLane, at, [&](int lane, const Ray& ray) { boxes[lane] = ScalarBoxPairTest::prepare(ray, first_t(ray)); });
     PerLane<std::uint32_t> quads;
     PerLane<bool> is_last;
-    warp_.run(WarpStep::boxes, searching_, [&](int lane, auto& observer) {
-      const std::uint32_t slot = ray_[lane].slot;
-      quads[lane] = enter_leaf(tasks_.nodes, tasks_.places + ray_[lane].next++, box_[lane], memory_.hits[slot].t, observer);
+    warp_.run(WarpStep::boxes, lanes, [&](int lane, auto& observer) {
+      const std::uint32_t slot = at[lane].slot;
+      quads[lane] = enter_leaf(tasks_.nodes, tasks_.places + at[lane].next++, boxes[lane], memory_.hits[slot].t, observer);
       // No other lane of this step has the ray.
-      memory_.entries[slot] += (goes_on(ray_[lane]) ? 1u : 0u) + (quads[lane] != kNoNode ? 1u : 0u) - 1u;
+      memory_.entries[slot] += (goes_on(at[lane]) ? 1u : 0u) + (quads[lane] != kNoNode ? 1u : 0u) - 1u;
       is_last[lane] = memory_.entries[slot] == 0;
     });
-    const LaneMask entered = warp_.where(searching_, [&](int lane) { return quads[lane] != kNoNode; });
-    pairs_.push(warp_, entered, [&](int lane, auto&) { return SlotAndQuad{ray_[lane].slot, quads[lane]}; });
-    answer(warp_.where(searching_, [&](int lane) { return is_last[lane]; }), ray_);
-    searching_ = warp_.where(searching_, [&](int lane) { return goes_on(ray_[lane]); });
-  }
-
-  // Gives all lanes a ray, as long as there are any. Turns of all lanes end together.
-  ACCEL_HD void take_rays() {
-    if (++step_of_turn_ == kTurn) {
-      boxes_.push(warp_, searching_, [&](int lane, auto&) { return ray_[lane]; });
-      searching_ = 0, step_of_turn_ = 0;
-    }
-    drop_answered(searching_, ray_);
-    searching_ |= take_unanswered(boxes_, ~searching_, ray_, [&](int lane, const Ray& ray) {
-      box_[lane] = ScalarBoxPairTest::prepare(ray, first_t(ray));
-    });
+    const LaneMask entered = warp_.where(lanes, [&](int lane) { return quads[lane] != kNoNode; });
+    const LaneMask go_on = warp_.where(lanes, [&](int lane) { return goes_on(at[lane]); });
+    pairs_.push(warp_, entered, [&](int lane, auto&) { return SlotAndQuad{at[lane].slot, quads[lane]}; });
+    boxes_.push(warp_, go_on, [&](int lane, auto&) { return at[lane]; });
+    answer(warp_.where(lanes, [&](int lane) { return is_last[lane]; }), at);
   }
   ACCEL_HD bool goes_on(const SlotAndPlace& at) const { return at.next < memory_.ends[at.slot]; }
 
@@ -273,12 +266,7 @@ class LocalizedWarp {
   WarpQueue<SlotAndQuad, SharedMemory::kPairs> pairs_;
   WarpQueue<std::uint32_t, kRaysInHand> free_;
 
-  // Lanes that test boxes, with their rays, and lanes that test triangles.
-  LaneMask searching_ = 0;
-  std::uint32_t step_of_turn_ = 0;
-  PerLane<SlotAndPlace> ray_;
-  PerLane<ScalarBoxPairTest> box_;
-  LaneMask busy_ = 0;
+  LaneMask busy_ = 0;  // lanes that have a pair
   PerLane<SlotAndQuad> pair_;
   PerLane<typename Test::RayData> data_;
 };
