@@ -17,7 +17,7 @@ namespace {
 // A warp that works all tasks off. Returns the most pairs that were in the queue.
 template <Query kQuery, std::uint32_t kRaysInHand, class Answer>
 std::uint32_t run(const LocalizedTasks& tasks, std::vector<Answer>& answers) {
-  std::memset(static_cast<void*>(answers.data()), 0xab, answers.size() * sizeof(Answer));
+  if (!answers.empty()) std::memset(static_cast<void*>(answers.data()), 0xab, answers.size() * sizeof(Answer));
   LocalizedMemory<kRaysInHand> memory;
   SimtLanes lanes(0, tasks.count);
   LocalizedWarp<Watertight, kQuery, kRaysInHand, SimtLanes, Answer> warp(tasks, answers.data(), memory, lanes);
