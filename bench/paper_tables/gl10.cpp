@@ -195,9 +195,10 @@ constexpr char kModelNote[] = R"(A ray a lane: a warp goes through the list of l
   none. In Fig. 10, which has no exit for any-hit rays, all stay to the end. Sorting, frustums and traversal are not modelled.)";
 constexpr char kQueueNote[] = R"(With queues (packet/localized_warp.h) lanes take boxes and triangles of 128 rays in hand, and
   warps 1024 rays each, of whatever packets. "Needed" counts a lane only for a test that its ray makes alone, too: rays that
-  have met something meanwhile make others. Steps of several packets read more sectors than those of one. A queue operation is
-  some 25 instructions by count of PTX, a box 70, a triangle 95 to 310, so fewer steps are not as many instructions less; no
-  device has told yet.)";
+  have met something meanwhile make others. Steps of several packets read more sectors than those of one. Steps are not
+  instructions: a queue operation is some 25 by count of PTX, a box 70 to 105, a triangle 95 to 310. By that estimate queues
+  spend what they save where any-hit rays meet many leaves, and cost up to twice the instructions for primary rays; no device
+  has told yet.)";
 
 std::string size_note(const Settings& settings) {
   return print(

@@ -23,8 +23,10 @@
 //
 // Costs. Rays that are fetched together go through the leaves of their packet together, but rays of several packets meet in a
 // step, which reads more nodes and triangles than a warp of one packet: the more so, the fewer are fetched at a time. And
-// queues take instructions: by count of PTX some 25 an operation, where a box has 70 and a triangle 95 to 310. Which kernel is
-// the faster one is for a device to tell.
+// queues take instructions, by count of PTX some 25 an operation, where a box has 70 (105 with what is prepared anew for each)
+// and a triangle 95 to 310. By that estimate they spend what they save where any-hit rays meet many leaves, and cost half as
+// many instructions again, or twice as many, where lanes were at work before. So devices use them on request only
+// (DeviceTraceOptions::packet_queues), until one has told.
 //
 // Memory: 76 bytes a ray in hand, and 512. Written against Lanes: packet/warp_queue.h.
 #pragma once
