@@ -190,9 +190,10 @@ constexpr char kLiteralNote[] = R"("To the letter" is sorted and taken through o
   each stage streams all rays through memory. sbvh/breadth-first takes blocks that fit the caches, sorts where it pays, and
   leaves wide frustums to single rays.)";
 constexpr char kModelNote[] = R"(A ray a lane: a warp goes through the list of leaves together; all lanes test a box, then
-  those that entered it its triangles. So lanes idle that have missed the box, that have their answer, until the last ray of the warp
-  has, or that have no ray, at the end of a packet; all triangles of a leaf are tested by the same lanes, so their number idles
-  none. In Fig. 10, which has no exit for any-hit rays, all stay to the end. Sorting, frustums and traversal are not modelled.)";
+  those that entered it its triangles. So lanes idle that have missed the box, that have their answer, until the last ray of
+  the warp has, or that have no ray, at the end of a packet; all triangles of a leaf are tested by the same lanes, so their
+  number idles none. In Fig. 10, which has no exit for any-hit rays, all stay to the end. Sorting, frustums and traversal are
+  not modelled.)";
 constexpr char kQueueNote[] = R"(With queues (packet/localized_warp.h) lanes take boxes and triangles of 128 rays in hand, and
   warps 1024 rays each, of whatever packets. "Needed" counts a lane only for a test that its ray makes alone, too: rays that
   have met something meanwhile make others. Steps of several packets read more sectors than those of one. Steps are not
