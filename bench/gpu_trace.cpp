@@ -1,4 +1,5 @@
 // Rays per second on a CUDA device: every method x ray kind x launch policy, each answer compared with the CPU's bit for bit.
+// Packets have one more, "queues": persistent, with localized intersection by packet/localized_warp.h.
 //
 //   gpu_trace [--scene builtin:NAME[:size] | FILE]... [--rays FILE.npy]... [--size N] [--test NAME] [--repeat N] [--json
 //   FILE|-]
@@ -49,9 +50,20 @@ struct NamedRays {
   Buffer<Ray> rays;
 };
 
+// How rays are launched.
+struct NamedPolicy {
+  const char* name;
+  LaunchPolicy policy;
+  bool packet_queues = false;
+};
+constexpr NamedPolicy kPolicies[] = {{policy_name(LaunchPolicy::grid), LaunchPolicy::grid},
+                                     {policy_name(LaunchPolicy::persistent), LaunchPolicy::persistent},
+                                     {policy_name(LaunchPolicy::multipass), LaunchPolicy::multipass},
+                                     {"queues", LaunchPolicy::persistent, true}};
+
 struct Row {
   std::string scene, method, kind;
-  LaunchPolicy policy;
+  const char* policy;
   std::uint64_t rays, mismatches, bytes;
   DeviceTiming timing;
 
@@ -178,16 +190,22 @@ Status measure(const Arguments& arguments, const AnyAccel& cpu, const DeviceAcce
   const auto batch = DeviceBatch::upload(rays);
   if (!batch) return batch.error();
   row.kind = set.kind, row.rays = rays.size(), row.bytes = device.size_bytes();
-  for (const LaunchPolicy policy : {LaunchPolicy::grid, LaunchPolicy::persistent, LaunchPolicy::multipass}) {
-    const DeviceTraceOptions options{.policy = policy, .test = arguments.test, .warm_up = kWarmUp, .repeat = arguments.repeat};
+  const bool makes_packets = row.method.ends_with("/breadth-first");
+  for (const NamedPolicy& policy : kPolicies) {
+    if (policy.packet_queues && !makes_packets) continue;
+    const DeviceTraceOptions options{.policy = policy.policy,
+                                     .test = arguments.test,
+                                     .warm_up = kWarmUp,
+                                     .repeat = arguments.repeat,
+                                     .packet_queues = policy.packet_queues};
     const auto timing = device.trace(*batch, set.query, options);
     if (!timing) return timing.error();
     const auto mismatches = count_mismatches(cpu, *batch, rays, set.query, arguments.test);
     if (!mismatches) return mismatches.error();
-    row.policy = policy, row.timing = *timing, row.mismatches = *mismatches;
+    row.policy = policy.name, row.timing = *timing, row.mismatches = *mismatches;
     rows.push_back(row);
     std::printf("%-20.20s %-12s %-9s %-10s %9.1f %9.1f %9.1f %8llu %6llu\n", row.scene.c_str(), row.method.c_str(),
-                row.kind.c_str(), policy_name(policy), row.mrays(timing->median_ms), row.mrays(timing->max_ms),
+                row.kind.c_str(), row.policy, row.mrays(timing->median_ms), row.mrays(timing->max_ms),
                 row.mrays(timing->min_ms), static_cast<unsigned long long>(row.rays),
                 static_cast<unsigned long long>(row.mismatches));
     std::fflush(stdout);
@@ -224,7 +242,7 @@ Status measure_scene(const Arguments& arguments, const std::string& name, std::v
 
 Json to_json(const Row& row, const Arguments& arguments) {
   const auto ms = static_cast<double>(row.timing.median_ms);
-  return {{"name", row.scene + "/" + row.method + "/" + row.kind + "/" + policy_name(row.policy)},
+  return {{"name", row.scene + "/" + row.method + "/" + row.kind + "/" + row.policy},
           {"run_type", "iteration"},
           {"iterations", arguments.repeat},
           {"real_time", ms},
@@ -234,7 +252,7 @@ Json to_json(const Row& row, const Arguments& arguments) {
           {"method", row.method},
           {"test", arguments.test.empty() ? triangle_tests().front() : arguments.test},
           {"rays_kind", row.kind},
-          {"policy", policy_name(row.policy)},
+          {"policy", row.policy},
           {"rays", row.rays},
           {"mrays_per_second", row.mrays(row.timing.median_ms)},
           {"mrays_min", row.mrays(row.timing.max_ms)},

@@ -123,19 +123,54 @@ std::string figures14_15(const std::vector<SceneResult>& results) {
 
 std::string simt_table(const std::vector<SceneResult>& results) {
   const std::string text = heading(
-      "The SIMT model's prediction for a GPU, in the same warps of rays of one packet: the localized stage against "
-      "depth-first single rays; steps a ray, lanes at work, and transactions (distinct sectors of 32 bytes)");
-  TextTable table({"rays", "steps", "x stack", "lanes", "of boxes", "of triangles", "stack's", "sectors", "x stack"});
+      "The SIMT model's prediction for a GPU: depth-first single rays (stack), the localized stage as in Fig. 10, a ray a "
+      "lane, "
+      "in the same warps, and with queues of boxes and triangles; steps a ray, lanes at work, and on tests that rays need, "
+      "transactions a ray (distinct lines of 128 bytes and sectors of 32), and queue operations a step");
+  TextTable table({"rays", "steps", "lanes", "needed", "boxes", "triangles", "lines", "sectors", "x stack", "queue"});
+  const auto row = [](const std::string& name, const SimtProfile& p, const SimtProfile& stack) {
+    const double rays = std::max(1.0, static_cast<double>(p.rays));
+    const auto traffic = all_traffic(p);
+    return std::vector<std::string>{name,
+                                    number(kWarpSize * static_cast<double>(issued(p)) / rays),
+                                    percent(p.efficiency()),
+                                    "",
+                                    percent(p.descend.efficiency()),
+                                    percent(p.intersect.efficiency()),
+                                    number(static_cast<double>(traffic.lines) / rays),
+                                    number(static_cast<double>(traffic.sectors) / rays),
+                                    number(per(traffic.sectors, all_traffic(stack).sectors))};
+  };
+  constexpr std::size_t kNeeded = 3;
   for (std::size_t s = 0; s < results.size(); ++s) {
     table.add({title_of(results[s], s)});
     for (int m = 0; m < kModels; ++m) {
-      const auto& [ours, stack] = results[s].models[m];
-      const double rays = std::max(1.0, static_cast<double>(ours.rays)), steps = static_cast<double>(issued(ours)),
-                   sectors = static_cast<double>(all_traffic(ours).sectors);
-      table.add({print("  %s", kModelNames[m]), number(kWarpSize * steps / rays),
-                 number(per(steps, static_cast<double>(issued(stack)))), percent(ours.efficiency()),
-                 percent(ours.descend.efficiency()), percent(ours.intersect.efficiency()), percent(stack.efficiency()),
-                 number(sectors / rays), number(per(sectors, static_cast<double>(all_traffic(stack).sectors)))});
+      const ModelProfiles& p = results[s].models[m];
+      table.add({print("  %s", kModelNames[m])});
+      table.add(row("    stack", p.stack, p.stack));
+      auto by_ray = row("    a ray a lane", p.localized, p.stack), queues = row("    queues", p.queues.simt, p.stack);
+      by_ray[kNeeded] = percent(p.localized.efficiency()), queues[kNeeded] = percent(p.needed());
+      queues.push_back(number(per(p.queues.queues.steps, issued(p.queues.simt))));
+      table.add(by_ray), table.add(queues);
+    }
+  }
+  return text + table.text();
+}
+
+std::string idle_table(const std::vector<SceneResult>& results) {
+  const std::string text = heading(
+      "Where lanes idle that have a ray each: percentages of all lanes in steps that test boxes, and in steps that test "
+      "triangles, which are so many of all steps; lanes have missed the box whose triangles others test");
+  TextTable table({"", "boxes:", "", "", "triangles:", "", "", "", ""});
+  table.add({"rays", "at work", "no ray", "answered", "at work", "no ray", "answered", "missed", "steps"});
+  for (std::size_t s = 0; s < results.size(); ++s) {
+    table.add({title_of(results[s], s)});
+    for (int m = 0; m < kModels; ++m) {
+      const LaneUse &b = results[s].models[m].boxes, &t = results[s].models[m].triangles;
+      table.add({print("  %s", kModelNames[m]), percent(b.share(b.at_work)), percent(b.share(b.have_no_ray)),
+                 percent(b.share(b.are_answered)), percent(t.share(t.at_work)), percent(t.share(t.have_no_ray)),
+                 percent(t.share(t.are_answered)), percent(t.share(t.have_missed_box)),
+                 percent(per(t.steps, b.steps + t.steps))});
     }
   }
   return text + table.text();
@@ -154,9 +189,17 @@ constexpr char kWalkNote[] = R"(On a CPU a stack lies in the nearest cache, whil
 constexpr char kLiteralNote[] = R"("To the letter" is sorted and taken through one stage after the other as a whole, so that
   each stage streams all rays through memory. sbvh/breadth-first takes blocks that fit the caches, sorts where it pays, and
   leaves wide frustums to single rays.)";
-constexpr char kModelNote[] = R"(The model's warps go through the list of leaves together: all lanes test a box, then those
-  that entered it its triangles. Sorting, frustums and traversal are not modelled. Any-hit rays that have met something idle
-  until the last ray of their warp has; in Fig. 10, which has no such exit, all stay to the end.)";
+constexpr char kModelNote[] = R"(A ray a lane: a warp goes through the list of leaves together; all lanes test a box, then
+  those that entered it its triangles. So lanes idle that have missed the box, that have their answer, until the last ray of
+  the warp has, or that have no ray, at the end of a packet; all triangles of a leaf are tested by the same lanes, so their
+  number idles none. In Fig. 10, which has no exit for any-hit rays, all stay to the end. Sorting, frustums and traversal are
+  not modelled.)";
+constexpr char kQueueNote[] = R"(With queues (packet/localized_warp.h) lanes take boxes and triangles of 128 rays in hand, and
+  warps 1024 rays each, of whatever packets. "Needed" counts a lane only for a test that its ray makes alone, too: rays that
+  have met something meanwhile make others. Steps of several packets read more sectors than those of one. Steps are not
+  instructions: a queue operation is some 25 by count of PTX, a box 70 to 105, a triangle 95 to 310. By that estimate queues
+  spend what they save where any-hit rays meet many leaves, and cost up to twice the instructions for primary rays; no device
+  has told yet.)";
 
 std::string size_note(const Settings& settings) {
   return print(
@@ -167,7 +210,7 @@ std::string size_note(const Settings& settings) {
 
 std::string notes(const std::vector<SceneResult>& results, const Settings& settings) {
   return notes_title(results) + paragraph(kSceneNote) + paragraph(size_note(settings)) + paragraph(kHashNote) +
-         paragraph(kWalkNote) + paragraph(kLiteralNote) + paragraph(kModelNote);
+         paragraph(kWalkNote) + paragraph(kLiteralNote) + paragraph(kModelNote) + paragraph(kQueueNote);
 }
 
 Json row_named(const std::string& name, std::size_t s, const SceneResult& r) {
@@ -207,6 +250,26 @@ void add_speed_rows(std::size_t s, const SceneResult& r, Json& rows) {
     }
 }
 
+void add_lanes(const std::string& name, const LaneUse& use, Json& row) {
+  row[name + "_at_work"] = use.share(use.at_work), row[name + "_no_ray"] = use.share(use.have_no_ray);
+  row[name + "_answered"] = use.share(use.are_answered), row[name + "_missed_box"] = use.share(use.have_missed_box);
+}
+
+void add_model_rows(std::size_t s, const SceneResult& r, int model, Json& rows) {
+  const ModelProfiles& m = r.models[model];
+  const auto new_row_of = [&](const char* what, const SimtProfile& p) {
+    Json row = row_named(std::string("simt/") + kModelNames[model] + "/" + what, s, r);
+    row["rays"] = p.rays, row["simt_steps"] = issued(p), row["simt_efficiency"] = p.efficiency();
+    row["simt_lines"] = all_traffic(p).lines, row["simt_sectors"] = all_traffic(p).sectors;
+    return row;
+  };
+  rows.push_back(new_row_of("stack", m.stack));
+  Json localized = new_row_of("localized", m.localized), queues = new_row_of("queues", m.queues.simt);
+  add_lanes("boxes", m.boxes, localized), add_lanes("triangles", m.triangles, localized);
+  queues["simt_needed"] = m.needed(), queues["queue_operations"] = m.queues.queues.steps;
+  rows.push_back(localized), rows.push_back(queues);
+}
+
 void add_other_rows(std::size_t s, const SceneResult& r, Json& rows) {
   for (int i = 0; i < kSorteds; ++i) {
     const SortTimes& t = r.sorts[i];
@@ -220,14 +283,7 @@ void add_other_rows(std::size_t s, const SceneResult& r, Json& rows) {
     row["ms"] = r.walks.ms[w];
     rows.push_back(row);
   }
-  for (int m = 0; m < kModels; ++m)
-    for (const bool is_stack : {false, true}) {
-      const SimtProfile& p = is_stack ? r.models[m].stack : r.models[m].localized;
-      Json row = row_named(std::string("simt/") + kModelNames[m] + (is_stack ? "/stack" : "/localized"), s, r);
-      row["rays"] = p.rays, row["simt_steps"] = issued(p), row["simt_efficiency"] = p.efficiency();
-      row["simt_sectors"] = all_traffic(p).sectors;
-      rows.push_back(row);
-    }
+  for (int m = 0; m < kModels; ++m) add_model_rows(s, r, m, rows);
 }
 
 }  // namespace
@@ -242,7 +298,7 @@ Result<Report> gl10(const Settings& settings) {
   Report report;
   report.text = "Garanzha and Loop 2010, Fast Ray Sorting and Breadth-First Packet Traversal for GPU Ray Tracing\n" +
                 table1(results) + figure13(results) + sort_table(results) + walk_table(results) + figures14_15(results) +
-                simt_table(results) + notes(results, settings);
+                simt_table(results) + idle_table(results) + notes(results, settings);
   for (std::size_t s = 0; s < results.size(); ++s) {
     add_grid_rows(s, results[s], report.rows);
     add_speed_rows(s, results[s], report.rows);

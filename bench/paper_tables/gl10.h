@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "bench/paper_tables/paper_tables.h"
+#include "libaccel/exec/simt_lanes.h"
 #include "libaccel/packet/packet_pipeline.h"
 
 namespace accel::paper_tables::garanzha_loop {
@@ -73,8 +74,27 @@ struct WalkTimes {
   std::size_t frustums = 0, leaves = 0, binary_leaves = 0;
   double ms[kWalks] = {};
 };
+// What the lanes do in steps of a phase, where each has a ray: lanes, summed over steps.
+struct LaneUse {
+  std::uint64_t steps = 0, at_work = 0;
+  std::uint64_t have_no_ray = 0;      // the packet's last warp is not full
+  std::uint64_t are_answered = 0;     // an any-hit query that has met something
+  std::uint64_t have_missed_box = 0;  // others test the triangles in it
+
+  double share(std::uint64_t lanes) const {
+    return static_cast<double>(lanes) / (32 * std::max<double>(1, static_cast<double>(steps)));
+  }
+};
 struct ModelProfiles {
   SimtProfile localized, stack;  // of the same warps
+  LaneUse boxes, triangles;      // of `localized`
+  WarpProfile queues;            // of the same packets
+
+  // The tests that rays make one by one, of all lanes in all steps of the warps with queues.
+  double needed() const {
+    const double tests = static_cast<double>(localized.descend.active_lanes + localized.intersect.active_lanes);
+    return tests / std::max(1.0, 32 * static_cast<double>(issued(queues.simt)));
+  }
 };
 struct SceneResult {
   bool is_stand_in = false;
@@ -93,7 +113,7 @@ Result<SortTimes> measure_sorts(std::span<const Ray> rays, const Aabb& bounds, c
 // Frustums through the tree's octo nodes and its binary ones, breadth first and depth first, on one thread.
 Result<WalkTimes> measure_walks(const Bvh2View& view, const std::vector<Frustum>& frustums, const Settings& settings);
 
-// The localized stage, and single rays depth first in the very same warps.
+// The localized stage, a ray a lane and with queues, and single rays depth first in the warps of the former.
 Result<ModelProfiles> run_model(Query query, const LocalizedBatch& batch, const Bvh2View& view);
 
 }  // namespace accel::paper_tables::garanzha_loop

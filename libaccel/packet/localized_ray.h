@@ -20,6 +20,25 @@ struct PacketLeaves {
   std::uint32_t count = 0;
 };
 
+// The first triangle of the leaf of a place, if the ray enters its box before t_max, else kNoNode.
+template <class Observer>
+ACCEL_HD std::uint32_t enter_leaf(const OctoNode* nodes, const std::uint32_t* at, const ScalarBoxPairTest& ray, float t_max,
+                                  Observer& observer) {
+  const std::uint32_t place = leaf_quad(*at), c = place % kOctoArity;
+  const OctoNode& node = nodes[place / kOctoArity];
+  observer.load(Memory::node, at, sizeof *at);
+  for (int a = 0; a < 3; ++a) {
+    observer.load(Memory::node, &node.lower[a][c], sizeof(float));
+    observer.load(Memory::node, &node.upper[a][c], sizeof(float));
+  }
+  observer.box_tests(1);
+  if (!enters(node, c, ray, t_max)) return kNoNode;
+  observer.load(Memory::node, &node.child[c], sizeof(NodeRef));
+  const std::uint32_t quad = leaf_quad(node.child[c]);
+  observer.leaf_visit(quad);
+  return quad;
+}
+
 template <class Test, Query kQuery>
 struct LocalizedRay {
   static constexpr const char* kName = "localized";
@@ -43,20 +62,8 @@ struct LocalizedRay {
 
   template <class Observer>
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit& hit, Observer& observer) {
-    const std::uint32_t* const at = view.places + state.next++;
-    const std::uint32_t place = leaf_quad(*at), c = place % kOctoArity;
-    const OctoNode& node = view.nodes[place / kOctoArity];
-    observer.load(Memory::node, at, sizeof *at);
-    for (int a = 0; a < 3; ++a) {
-      observer.load(Memory::node, &node.lower[a][c], sizeof(float));
-      observer.load(Memory::node, &node.upper[a][c], sizeof(float));
-    }
-    observer.box_tests(1);
-    if (!enters(node, c, state.boxes, hit.t)) return after_leaf(view, state);
-    observer.load(Memory::node, &node.child[c], sizeof(NodeRef));
-    state.quad = leaf_quad(node.child[c]);
-    observer.leaf_visit(state.quad);
-    return Phase::intersect;
+    state.quad = enter_leaf(view.nodes, view.places + state.next++, state.boxes, hit.t, observer);
+    return state.quad == kNoNode ? after_leaf(view, state) : Phase::intersect;
   }
 
   template <class Observer>

@@ -5,8 +5,7 @@
 //   make_packets       packet/packet_ranges.h                                                       section 3.1, Fig. 6
 //   make_frustums      packet/frustum.h                                                             section 3.2
 //   find_leaves        packet/breadth_first.h; then the frustums that meet anything                 section 3.3
-//   lay_out_warps      32 rays of one packet each                                                   section 3.4
-//   intersect          packet/localized.h, a ray a thread                                           section 3.4
+//   list_tasks         the rays of these frustums, for packet/localized_warp.h                      section 3.4
 //   find_other_rays    those of small packets, those without a frustum and those whose frustum gave up
 //
 // Deviations. The face comes first among the bits of the values, so that packets go on where a cell ends. Rays that packets do
@@ -24,15 +23,12 @@
 
 #include "libaccel/packet/breadth_first.h"
 #include "libaccel/packet/csd_sort.h"
-#include "libaccel/packet/localized.h"
+#include "libaccel/packet/localized_warp.h"
 #include "libaccel/packet/packet_options.h"
 #include "libaccel/packet/packet_ranges.h"
 #include "libaccel/packet/ray_hash.h"
 
 namespace accel {
-
-// Threads that run together, on devices.
-inline constexpr std::uint32_t kRaysPerWarp = 32;
 
 // The values that rays are sorted by: the face, which tells rays without one, too, then what the hash has but for its own face.
 struct PacketKey {
@@ -74,13 +70,11 @@ class PacketBatch {
 
   PacketBatch(const Bvh2View& view, const PacketOptions& options);
 
-  // Up to the warps, of n < 2^32 rays, which stay where they are until the batch is done with. view.octo_count > 0.
+  // Up to the tasks, of n < 2^32 rays, which stay where they are until the batch is done with. view.octo_count > 0.
   void prepare(const Ray* rays, std::size_t n);
 
-  // answers[i] answers ray i, unless it is one of the others.
-  template <class Test, Query kQuery, class Answer>
-  void intersect(Answer* answers) const;
-
+  // The rays of packets whose frustums meet anything. Rays that are in no task, and none of the others, are misses.
+  LocalizedTasks tasks() const;
   OtherRays find_other_rays() const;
 
   // The stages.
@@ -88,7 +82,7 @@ class PacketBatch {
   void make_packets();
   void make_frustums();
   void find_leaves();
-  void lay_out_warps();
+  void list_tasks();
 
  private:
   Bvh2View view_;
@@ -110,10 +104,9 @@ class PacketBatch {
 
   // Frustums that meet anything, by number.
   Array<std::uint32_t> active_packets_, firsts_;  // see LocalizedBatch
-  Array<std::uint32_t> first_warps_;
   std::size_t active_count_ = 0;
-  Array<std::uint32_t> active_of_warps_;
-  std::size_t warp_count_ = 0;
+  Array<LocalizedTask> tasks_;
+  std::size_t task_count_ = 0;
 };
 
 template <class Primitives>
@@ -131,7 +124,7 @@ void PacketBatch<Primitives>::prepare(const Ray* rays, std::size_t n) {
   make_packets();
   make_frustums();
   find_leaves();
-  lay_out_warps();
+  list_tasks();
 }
 
 template <class Primitives>
@@ -202,45 +195,32 @@ void PacketBatch<Primitives>::find_leaves() {
 }
 
 template <class Primitives>
-void PacketBatch<Primitives>::lay_out_warps() {
-  first_warps_ = Array<std::uint32_t>(active_count_);
-  std::uint32_t* const first_warps = first_warps_.data();
-  const std::uint32_t *const active_packets = active_packets_.data(), *const base = ranges_.base.data();
+void PacketBatch<Primitives>::list_tasks() {
+  Array<std::uint32_t> sizes(active_count_);
+  std::uint32_t* const first_tasks = sizes.data();
+  const std::uint32_t *const active_packets = active_packets_.data(), *const base = ranges_.base.data(),
+                             *const ids = ids_.data();
   Primitives::for_each(active_count_, [=] ACCEL_HD_LAMBDA(std::size_t a) {
-    const std::uint32_t size = base[active_packets[a] + 1] - base[active_packets[a]];
-    first_warps[a] = (size + kRaysPerWarp - 1) / kRaysPerWarp;
+    first_tasks[a] = base[active_packets[a] + 1] - base[active_packets[a]];
   });
-  warp_count_ = Primitives::exclusive_scan(first_warps, active_count_, first_warps);
-  active_of_warps_ = Array<std::uint32_t>(warp_count_);
-  std::uint32_t* const active_of_warps = active_of_warps_.data();
-  const std::size_t count = active_count_, warp_count = warp_count_;
-  Primitives::for_each(count, [=] ACCEL_HD_LAMBDA(std::size_t a) {
-    const std::size_t end = a + 1 < count ? first_warps[a + 1] : warp_count;
-    for (std::size_t w = first_warps[a]; w < end; ++w) active_of_warps[w] = static_cast<std::uint32_t>(a);
+  task_count_ = Primitives::exclusive_scan(first_tasks, active_count_, first_tasks);
+  tasks_ = Array<LocalizedTask>(task_count_);
+  LocalizedTask* const tasks = tasks_.data();
+  Primitives::for_each(active_count_, [=] ACCEL_HD_LAMBDA(std::size_t a) {
+    const std::uint32_t first = base[active_packets[a]], size = base[active_packets[a] + 1] - first;
+    for (std::uint32_t i = 0; i < size; ++i) tasks[first_tasks[a] + i] = {ids[first + i], static_cast<std::uint32_t>(a)};
   });
 }
 
 template <class Primitives>
-template <class Test, Query kQuery, class Answer>
-void PacketBatch<Primitives>::intersect(Answer* answers) const {
-  Primitives::for_each(n_, [=] ACCEL_HD_LAMBDA(std::size_t i) { answers[i] = Answer{}; });
-  const OctoNode* const nodes = view_.octo;
-  const LeafQuad* const leaves = view_.leaves;
-  const Ray* const rays = rays_;
-  const std::uint32_t *const ids = ids_.data(), *const base = ranges_.base.data(), *const places = leaves_->place.data();
-  const std::uint32_t *const active_packets = active_packets_.data(), *const firsts = firsts_.data();
-  const std::uint32_t *const first_warps = first_warps_.data(), *const active_of_warps = active_of_warps_.data();
-  Primitives::for_each(warp_count_ * kRaysPerWarp, [=] ACCEL_HD_LAMBDA(std::size_t thread) {
-    const std::uint32_t warp = static_cast<std::uint32_t>(thread / kRaysPerWarp), a = active_of_warps[warp];
-    const std::uint32_t packet = active_packets[a];
-    const std::uint32_t lane = static_cast<std::uint32_t>(thread % kRaysPerWarp);
-    const std::uint32_t at = base[packet] + (warp - first_warps[a]) * kRaysPerWarp + lane;
-    if (at >= base[packet + 1]) return;
-    NullObserver observer;
-    const Ray ray = rays[ids[at]];
-    const Hit hit = intersect_leaves<Test, kQuery>(nodes, leaves, ray, places + firsts[a], firsts[a + 1] - firsts[a], observer);
-    store_answer(hit, answers[ids[at]]);
-  });
+LocalizedTasks PacketBatch<Primitives>::tasks() const {
+  return {.nodes = view_.octo,
+          .leaves = view_.leaves,
+          .rays = rays_,
+          .tasks = tasks_.data(),
+          .firsts = firsts_.data(),
+          .places = leaves_->place.data(),
+          .count = static_cast<std::uint32_t>(task_count_)};
 }
 
 template <class Primitives>
@@ -279,11 +259,33 @@ typename Primitives::template Array<std::uint32_t> first_ids(std::size_t count) 
   return all;
 }
 
-// Answers all rays, block by block. trace_singly(rays, ids, count, answers) traces rays[0] to rays[count - 1] one by one, and
-// rays[i] is answered by answers[ids[i]].
-template <class Primitives, class Test, Query kQuery, class Answer, class TraceSingly>
+template <class Primitives, class Answer>
+void clear_answers(Answer* answers, std::size_t count) {
+  Primitives::for_each(count, [=] ACCEL_HD_LAMBDA(std::size_t i) { answers[i] = Answer{}; });
+}
+
+// Localized intersection in primitives, a ray a thread.
+template <class Primitives, class Test, Query kQuery>
+struct IntersectByRay {
+  template <class Answer>
+  void operator()(const LocalizedTasks& all, Answer* answers) const {
+    Primitives::for_each(all.count, [=] ACCEL_HD_LAMBDA(std::size_t i) {
+      const LocalizedTask task = all.tasks[i];
+      const std::uint32_t first = all.firsts[task.active], count = all.firsts[task.active + 1] - first;
+      const Ray ray = all.rays[task.ray];
+      NullObserver observer;
+      const Hit hit = intersect_leaves<Test, kQuery>(all.nodes, all.leaves, ray, all.places + first, count, observer);
+      store_answer(hit, answers[task.ray]);
+    });
+  }
+};
+
+// Answers all rays, block by block.
+//   intersect(tasks, answers)                  answers the rays of the tasks
+//   trace_singly(rays, ids, count, answers)    traces rays[0] to rays[count - 1] one by one; answers[ids[i]] answers rays[i]
+template <class Primitives, class Answer, class Intersect, class TraceSingly>
 void trace_packets(const Bvh2View& view, const PacketOptions& options, const Ray* rays, std::size_t n, Answer* answers,
-                   const TraceSingly& trace_singly) {
+                   const Intersect& intersect, const TraceSingly& trace_singly) {
   const std::size_t block_size = std::max(options.block_size, 1u);
   PacketBatch<Primitives> batch(view, options);
   for (std::size_t first = 0; first < n; first += block_size) {
@@ -295,7 +297,8 @@ void trace_packets(const Bvh2View& view, const PacketOptions& options, const Ray
       continue;
     }
     batch.prepare(rays + first, count);
-    batch.template intersect<Test, kQuery>(answers + first);
+    clear_answers<Primitives>(answers + first, count);
+    intersect(batch.tasks(), answers + first);
     const auto others = batch.find_other_rays();
     if (others.count > 0) trace_singly(others.rays.data(), others.ids.data(), others.count, answers + first);
   }

@@ -145,8 +145,17 @@ Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, c
   if (state_->method->makes_packets)
     if (const Status s = scratch.begin(); !s) return s.error();
   const LaunchFunction function = state_->method->kernels[*test][by_query];
-  const Launch launch{state_->view,      options.policy,    b.rays.data(),          ray_count,  b.hits.data(),
-                      b.occluded.data(), b.next_ray.data(), options.multipass.rule, &in_flight, options.packet_block};
+  const Launch launch{.view = state_->view,
+                      .policy = options.policy,
+                      .rays = b.rays.data(),
+                      .ray_count = ray_count,
+                      .hits = b.hits.data(),
+                      .occluded = b.occluded.data(),
+                      .next_ray = b.next_ray.data(),
+                      .rule = options.multipass.rule,
+                      .in_flight = &in_flight,
+                      .packet_block = options.packet_block,
+                      .packet_queues = options.packet_queues};
   std::vector<float> times;
   const int repeat = std::max(options.repeat, 1);
   for (int i = -std::max(options.warm_up, 0); i < repeat; ++i) {

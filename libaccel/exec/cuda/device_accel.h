@@ -64,6 +64,8 @@ struct DeviceTraceOptions {
   // Methods that trace packets (packet/packet_batch.h): the most rays in a block, fewer where the device's memory is short. The
   // policy is that of the rays that packets leave; multipass makes no packets.
   std::uint32_t packet_block = 1u << 22;
+  // And whether the lanes of warps take what there is to test from queues (packet/localized_warp.h), instead of a ray each.
+  bool packet_queues = false;
 };
 
 // Time of a launch between two events on the device, in milliseconds: copies to and from the device are not in it, but those

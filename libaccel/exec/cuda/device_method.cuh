@@ -30,6 +30,7 @@ struct Launch {
   MultipassRule rule;          // multipass
   MultipassMemory* in_flight;  // multipass
   std::uint32_t packet_block;  // packets: rays of a block
+  bool packet_queues;          // packets: see DeviceTraceOptions
 };
 
 using LaunchFunction = Status (*)(const Launch&);

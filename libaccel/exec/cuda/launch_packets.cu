@@ -4,6 +4,8 @@
 #include <array>
 
 #include "libaccel/exec/cuda/cuda_primitives.cuh"
+#include "libaccel/exec/cuda/launch_trace.cuh"
+#include "libaccel/exec/cuda/localized_kernel.cuh"
 #include "libaccel/packet/packet_batch.h"
 
 namespace accel::cuda {
@@ -27,12 +29,29 @@ void set_answers(Launch& launch, Hit* hits) { launch.hits = hits; }
 void set_answers(Launch& launch, std::uint8_t* occluded) { launch.occluded = occluded; }
 
 template <class Test, Query kQuery, class Answer>
+Status launch_localized(const LocalizedTasks& tasks, Answer* answers, std::uint32_t* next_task) {
+  if (tasks.count == 0) return Done{};
+  const auto kernel = localized_kernel<Test, kQuery, Answer>;
+  const Result<unsigned> blocks = detail::resident_blocks(kernel, tasks.count);
+  if (!blocks) return blocks.error();
+  ACCEL_CUDA_TRY(cudaMemsetAsync(next_task, 0, sizeof *next_task));
+  kernel<<<*blocks, kBlockSize>>>(tasks, answers, next_task);
+  ACCEL_CUDA_TRY(cudaGetLastError());
+  return Done{};
+}
+
+template <class Test, Query kQuery, class Answer>
 Status launch_in_blocks(const Bvh2View& view, const Launch& launch, Answer* answers, const TraceOthers& trace_others) {
   const auto block_size = block_size_for(launch.packet_block);
   if (!block_size) return block_size.error();
   PacketOptions options;
   options.block_size = *block_size;
   options.budget = kBudget;
+  const auto intersect = [&](const LocalizedTasks& tasks, Answer* block_answers) {
+    if (!launch.packet_queues) return IntersectByRay<CudaPrimitives, Test, kQuery>{}(tasks, block_answers);
+    const Status launched = launch_localized<Test, kQuery>(tasks, block_answers, launch.next_ray);
+    if (!launched) throw DeviceFailure{launched.error()};
+  };
   const auto trace_singly = [&](const Ray* rays, const std::uint32_t* ids, std::size_t count, Answer* block_answers) {
     Launch others = launch;
     others.rays = rays, others.ray_count = static_cast<std::uint32_t>(count);
@@ -40,9 +59,8 @@ Status launch_in_blocks(const Bvh2View& view, const Launch& launch, Answer* answ
     throw_unless_done(cudaMemsetAsync(others.next_ray, 0, sizeof *others.next_ray), "cudaMemsetAsync");
     if (const Status traced = trace_others(others, ids); !traced) throw DeviceFailure{traced.error()};
   };
-  return caught([&] {
-    trace_packets<CudaPrimitives, Test, kQuery>(view, options, launch.rays, launch.ray_count, answers, trace_singly);
-  });
+  return caught(
+      [&] { trace_packets<CudaPrimitives>(view, options, launch.rays, launch.ray_count, answers, intersect, trace_singly); });
 }
 
 using PacketLaunch = Status (*)(const Bvh2View&, const Launch&, const TraceOthers&);

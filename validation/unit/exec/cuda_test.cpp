@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "libaccel/exec/cuda/device_accel.h"
@@ -173,12 +174,14 @@ TEST(Cuda, PacketsInBlocks) {
   std::vector<std::uint8_t> expected_any(rays.size()), any(rays.size());
   ASSERT_TRUE(cpu->closest(rays, expected).ok());
   ASSERT_TRUE(cpu->occluded(rays, expected_any).ok());
-  for (const std::uint32_t block : {1u << 22, 10000u, 777u}) {
-    const auto closest = device->trace(*batch, Query::closest, {.packet_block = block});
+  for (const auto& [block, queues] :
+       {std::pair(1u << 22, false), {10000u, false}, {777u, false}, {1u << 22, true}, {777u, true}}) {
+    const DeviceTraceOptions options{.packet_block = block, .packet_queues = queues};
+    const auto closest = device->trace(*batch, Query::closest, options);
     ASSERT_TRUE(closest.ok()) << closest.message();
     ASSERT_TRUE(batch->hits(hits).ok());
     EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0) << block;
-    ASSERT_TRUE(device->trace(*batch, Query::any, {.packet_block = block}).ok());
+    ASSERT_TRUE(device->trace(*batch, Query::any, options).ok());
     ASSERT_TRUE(batch->occluded(any).ok());
     EXPECT_EQ(any, expected_any) << block;
   }

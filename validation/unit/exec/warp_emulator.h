@@ -14,6 +14,7 @@
 #define __device__
 #define __global__
 #define __launch_bounds__(...)
+#define __shared__ static  // of all warps: kernels that have any run on one
 
 constexpr int warpSize = 32;
 
@@ -54,6 +55,8 @@ inline bool __any_sync(unsigned lanes, bool vote) { return __ballot_sync(lanes, 
 inline int __popc(unsigned bits) { return std::popcount(bits); }
 inline int __ffs(int bits) { return bits == 0 ? 0 : std::countr_zero(static_cast<unsigned>(bits)) + 1; }
 inline unsigned atomicAdd(unsigned* value, unsigned add) { return std::atomic_ref<unsigned>(*value).fetch_add(add); }
+
+inline unsigned atomicExch(unsigned* value, unsigned to) { return std::atomic_ref<unsigned>(*value).exchange(to); }
 
 // Runs kernel() in `warps` blocks of one warp each.
 inline void run_warps(unsigned warps, const std::function<void()>& kernel) {

@@ -42,7 +42,8 @@ std::vector<Answer> traced(const Bvh2View& view, const std::vector<Ray>& rays, c
       store_answer(trace_ray<Bvh2Stack<Test, kQuery>>(view, others[i], observer), block[ids[i]]);
     singly += count;
   };
-  trace_packets<Primitives, Test, kQuery>(view, options, rays.data(), rays.size(), answers.data(), trace_singly);
+  trace_packets<Primitives>(view, options, rays.data(), rays.size(), answers.data(), IntersectByRay<Primitives, Test, kQuery>{},
+                            trace_singly);
   return answers;
 }
 
