@@ -12,8 +12,6 @@ namespace accel {
 
 namespace {
 
-// Batches of fewer rays are not worth the preparation of packets.
-constexpr std::size_t kFewestInPackets = 256;
 constexpr double kCostOfRuns = 1.1;          // of sorting by them, as a factor on the widths of frustums
 constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by their frustums
 // Trials: rays a way and time, and how much of a block they may take.
@@ -63,7 +61,7 @@ Bvh8StreamTracer<Answer>::Bvh8StreamTracer(const Bvh8View& view, const PacketOpt
 
 template <class Answer>
 void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer> answers) {
-  if (rays.size() < kFewestInPackets || is_leaf(view_.root)) return trace_by_turns(rays, answers);
+  if (is_leaf(view_.root)) return trace_by_turns(rays, answers);
   for (std::size_t first = 0, n; first < rays.size(); first += n) {
     n = std::min<std::size_t>(rays.size() - first, options_.block_size);
     const auto block = rays.subspan(first, n);

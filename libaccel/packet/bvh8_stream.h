@@ -24,6 +24,9 @@
 
 namespace accel {
 
+// Batches of fewer rays are not worth the preparation of packets.
+inline constexpr std::size_t kFewestInPackets = 256;
+
 // Whether most rays run nearly as the one before, in a sample of some dozens.
 bool are_alike(std::span<const Ray> rays);
 
@@ -38,7 +41,7 @@ class Bvh8StreamTracer {
 
  private:
   static constexpr bool kIsAnyHit = std::is_same_v<Answer, std::uint8_t>;
-  static constexpr std::uint32_t kRun = 8;  // of rays that are sorted as one
+  static constexpr std::uint32_t kRun = 8;  // rays that are sorted as one
   enum class Way : std::uint8_t { turns, packets, packets_from_far_end };
   static constexpr std::size_t kWays = kIsAnyHit ? 3 : 2;
 
@@ -86,7 +89,8 @@ class Bvh8StreamBatch {
       : view_(view), options_(options), trace_singly_(trace_singly) {}
 
   void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
-    if constexpr (std::is_same_v<Test, Watertight>)
+    const bool has_packets = std::is_same_v<Test, Watertight> && rays.size() >= kFewestInPackets;
+    if (has_packets)
       Bvh8StreamTracer<Answer>(view_, options_).trace(rays, answers);
     else
       Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>(view_, {}, trace_singly_).trace(rays, answers);
