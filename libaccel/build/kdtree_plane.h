@@ -3,9 +3,12 @@
 // Wald and Havran 2006, section 3 (cost model, termination) and 4.2 (sweep). The expected cost of a ray in a node that is split
 // at a plane is
 //
-//     traversal_cost + intersection_cost * (area(lower) * below + area(upper) * above) / area(node)
+//     traversal_cost + (area(lower) * cost(below) + area(upper) * cost(above)) / area(node)
 //
-// times (1 - empty_bonus) where one side is empty. The counts are those of the padded boxes; every event's position is tried.
+// times (1 - empty_bonus) where one side is empty, with cost(n) = leaf_cost + intersection_cost * n, and nothing for no
+// triangles. The counts are those of the padded boxes; every event's position is tried.
+//
+// Deviation: the cost of a leaf, which has triangles to be fetched and a loop over them whose length no branch predictor knows.
 #pragma once
 
 #include <limits>
@@ -15,7 +18,10 @@
 namespace accel {
 
 struct KdCosts {
-  double traversal, intersection, empty_bonus;
+  double traversal, intersection, leaf, empty_bonus;
+
+  // Of a leaf that is met.
+  double of_leaf(double triangles) const { return triangles > 0 ? leaf + intersection * triangles : 0.0; }
 };
 
 struct KdPlane {

@@ -108,8 +108,7 @@ class KdTreeBuilder {
   // The cheapest plane, if the set is better split there than left whole; else one that is not found().
   KdPlane choose_plane(const KdSet& set) const {
     if (set.size == 0 || set.levels == 0 || progress_.stopped()) return {};
-    const double leaf_cost = costs_.intersection * half_area_in_double(set.cell) * set.size;
-    return cheapest_plane(set, costs_, leaf_cost);
+    return cheapest_plane(set, costs_, costs_.of_leaf(set.size) * half_area_in_double(set.cell));
   }
 
   void add(const KdTally& tally) {
@@ -146,7 +145,8 @@ void explain(const KdTally& tally, int levels, BuildReport& report) {
 }
 
 KdCosts costs_of(const BuildOptions& options) {
-  return {options.traversal_cost, options.intersection_cost, options.empty_bonus};
+  const double step = options.traversal_cost, test = options.intersection_cost;
+  return {kKdStepCost * step, test, kKdLeafCost * test, options.empty_bonus};
 }
 
 }  // namespace
