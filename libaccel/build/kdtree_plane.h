@@ -6,23 +6,15 @@
 //     traversal_cost + (area(lower) * cost(below) + area(upper) * cost(above)) / area(node)
 //
 // times (1 - empty_bonus) where one side is empty, with cost(n) = leaf_cost + intersection_cost * n, and nothing for no
-// triangles. The counts are those of the padded boxes; every event's position is tried.
-//
-// Deviation: the cost of a leaf, which has triangles to be fetched and a loop over them whose length no branch predictor knows.
+// triangles (kdtree_costs.h). The counts are those of the padded boxes; every event's position is tried.
 #pragma once
 
 #include <limits>
 
+#include "libaccel/build/kdtree_costs.h"
 #include "libaccel/build/kdtree_events.h"
 
 namespace accel {
-
-struct KdCosts {
-  double traversal, intersection, leaf, empty_bonus;
-
-  // Of a leaf that is met.
-  double of_leaf(double triangles) const { return triangles > 0 ? leaf + intersection * triangles : 0.0; }
-};
 
 struct KdPlane {
   int axis = 0;

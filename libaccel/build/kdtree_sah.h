@@ -7,11 +7,7 @@
 //
 // Deviations: one list of events an axis, and no planar events, since padded triangles are never flat; references are bounded.
 //
-// Costs: kKdStepCost and kKdLeafCost, which say what kdtree/stack spends. They are not tuned to a scene: leaf costs from 1 to 2
-// tests and steps from 1.25 to 1.75 are as good. Against a model without them (no leaf costs, a step for a test), rays take 3 %
-// less time in the median of six scenes, primary and diffuse, and trees 15 to 22 % less memory; only in BART Kitchen, whose few
-// large walls are no longer cut out of the empty room, primary rays take 5 % more. A bonus for empty space from 0 to 0.2, the
-// paper's, makes no difference. With the 8 to 1 of Foley and Sugerman 2005, rays take up to 1.5 times as long.
+// Costs: kdtree_costs.h. With the 8 to 1 of Foley and Sugerman 2005, rays take up to 1.5 times as long.
 //
 // Invariants: a triangle is in every leaf within pad of it; depth <= 8 + 1.3 log2 n (section 3.3), max_depth and kKdStackSize;
 // references <= max_references a triangle. The same bytes for any number of threads. O(n log n) for the n references that there
@@ -19,19 +15,18 @@
 #pragma once
 
 #include "libaccel/build/builder.h"
+#include "libaccel/build/kdtree_costs.h"
 #include "libaccel/structure/kdtree.h"
 
 namespace accel {
-
-// What a step past a plane costs, in steps through a node as BuildOptions::traversal_cost has them; and what visiting a leaf
-// that has triangles costs beside their tests, in tests.
-inline constexpr double kKdStepCost = 1.5;
-inline constexpr double kKdLeafCost = 2.0;
 
 struct KdTreeSah {
   static constexpr const char* kName = "kdtree";
   using Structure = KdTree;
   static Result<Built<KdTree>> build(const TriangleMesh& mesh, const BuildOptions& options);
+
+  // With a cost model of the caller's in place of the options': for those who reproduce papers.
+  static Result<Built<KdTree>> build(const TriangleMesh& mesh, const BuildOptions& options, const KdCosts& costs);
 };
 
 }  // namespace accel
