@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "bench/paper_tables/paper_tables.h"
+#include "libaccel/build/kdtree_sah.h"
 #include "libaccel/registry/any_accel.h"
 
 namespace accel::paper_tables {
@@ -95,7 +96,12 @@ Result<AnyAccel> build(const TriangleMesh& mesh, MethodIndex index, int grid, co
   for (const Contender& other : others)
     if (other.accel.method().builder == "kdtree" && index >= kRestart) return other.accel.with_method(kMethodNames[index]);
   BuildOptions options;
-  options.traversal_cost = 8, options.intersection_cost = 1;
+  if (index >= kRestart) {
+    const KdCosts costs{.traversal = 8, .intersection = 1, .leaf = 0, .empty_bonus = options.empty_bonus};
+    Result<Built<KdTree>> tree = KdTreeSah::build(mesh, options, costs);
+    if (!tree) return tree.error();
+    return AnyAccel::bind(AnyStructure(std::move(tree->structure)), kMethodNames[index], std::move(tree->report));
+  }
   std::fill(std::begin(options.grid_resolution), std::end(options.grid_resolution), grid);
   return AnyAccel::build(mesh, kMethodNames[index], options);
 }

@@ -13,7 +13,7 @@ class AxisSweep {
         lo_(set.cell.lo[axis]),
         hi_(set.cell.hi[axis]),
         step_(costs.traversal * half_area_in_double(set.cell)),
-        test_(costs.intersection),
+        costs_(costs),
         bonus_(1 - costs.empty_bonus),
         limit_(static_cast<double>(set.limit)),
         most_(most),
@@ -50,7 +50,7 @@ class AxisSweep {
     above_ -= kEnds[is_start];
     // The half area of a part of the cell is its length times half the perimeter, plus the area of the plane.
     const double lower = (position - lo_) * rim_ + section_, upper = (hi_ - position) * rim_ + section_;
-    double cost = step_ + test_ * (lower * below_ + upper * above_);
+    double cost = step_ + lower * cost_of<kMayBeEmpty>(below_) + upper * cost_of<kMayBeEmpty>(above_);
     if (kMayBeEmpty && (below_ == 0 || above_ == 0)) cost *= bonus_;
     if (cost < most_) {
       if (below_ + above_ <= limit_) {
@@ -62,8 +62,15 @@ class AxisSweep {
     below_ += kStarts[is_start];
   }
 
+  template <bool kMayBeEmpty>
+  double cost_of(double count) const {
+    return kMayBeEmpty ? costs_.of_leaf(count) : costs_.leaf + costs_.intersection * count;
+  }
+
   const KdEventList& list_;
-  const double lo_, hi_, step_, test_, bonus_, limit_;
+  const double lo_, hi_, step_;
+  const KdCosts costs_;
+  const double bonus_, limit_;
   double rim_, section_;  // half the perimeter and the area of a plane's part in the cell
   double most_, below_, above_;
   KdPlane best_;

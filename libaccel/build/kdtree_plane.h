@@ -3,20 +3,18 @@
 // Wald and Havran 2006, section 3 (cost model, termination) and 4.2 (sweep). The expected cost of a ray in a node that is split
 // at a plane is
 //
-//     traversal_cost + intersection_cost * (area(lower) * below + area(upper) * above) / area(node)
+//     traversal_cost + (area(lower) * cost(below) + area(upper) * cost(above)) / area(node)
 //
-// times (1 - empty_bonus) where one side is empty. The counts are those of the padded boxes; every event's position is tried.
+// times (1 - empty_bonus) where one side is empty, with cost(n) = leaf_cost + intersection_cost * n, and nothing for no
+// triangles (kdtree_costs.h). The counts are those of the padded boxes; every event's position is tried.
 #pragma once
 
 #include <limits>
 
+#include "libaccel/build/kdtree_costs.h"
 #include "libaccel/build/kdtree_events.h"
 
 namespace accel {
-
-struct KdCosts {
-  double traversal, intersection, empty_bonus;
-};
 
 struct KdPlane {
   int axis = 0;

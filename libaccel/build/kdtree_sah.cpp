@@ -108,8 +108,7 @@ class KdTreeBuilder {
   // The cheapest plane, if the set is better split there than left whole; else one that is not found().
   KdPlane choose_plane(const KdSet& set) const {
     if (set.size == 0 || set.levels == 0 || progress_.stopped()) return {};
-    const double leaf_cost = costs_.intersection * half_area_in_double(set.cell) * set.size;
-    return cheapest_plane(set, costs_, leaf_cost);
+    return cheapest_plane(set, costs_, costs_.of_leaf(set.size) * half_area_in_double(set.cell));
   }
 
   void add(const KdTally& tally) {
@@ -145,14 +144,14 @@ void explain(const KdTally& tally, int levels, BuildReport& report) {
   note(tally.bottom_leaves, "leaves", "not split further, because they lie " + std::to_string(levels) + " levels deep");
 }
 
-KdCosts costs_of(const BuildOptions& options) {
-  return {options.traversal_cost, options.intersection_cost, options.empty_bonus};
-}
-
 }  // namespace
 
 Result<Built<KdTree>> KdTreeSah::build(const TriangleMesh& mesh, const BuildOptions& options) {
-  return run_build<KdTree>(mesh, options, [](BuildContext& context) -> Result<KdTree> {
+  return build(mesh, options, KdCosts::of(options));
+}
+
+Result<Built<KdTree>> KdTreeSah::build(const TriangleMesh& mesh, const BuildOptions& options, const KdCosts& costs) {
+  return run_build<KdTree>(mesh, options, [&costs](BuildContext& context) -> Result<KdTree> {
     References references = make_references(context, 0);
     if (references.count == 0) return KdTree{};
 
@@ -167,7 +166,7 @@ Result<Built<KdTree>> KdTreeSah::build(const TriangleMesh& mesh, const BuildOpti
 
     context.begin_phase("split");
     ProgressMeter progress(context.options.progress, "split", root.limit);
-    KdTreeBuilder builder(context, splitter, costs_of(context.options), progress);
+    KdTreeBuilder builder(context, splitter, costs, progress);
     const std::unique_ptr<KdSubtree> subtree = builder.build(root, std::move(memory));
     if (progress.stopped()) return Error{std::string(kInterrupted)};
 

@@ -32,9 +32,10 @@ struct CellRay {
   std::uint32_t backwards_axes;  // bit a of every byte: the ray runs towards smaller coordinates
   float t_anchor, t_unit;        // the distance t here is t_anchor + t_unit * t of the ray
 
+  static constexpr float kTiny = 0x1p-64f;
+
   // For cells in a box, which is not empty.
   ACCEL_HD static CellRay prepare(const Ray& ray, const Aabb& box) {
-    constexpr float kTiny = 0x1p-64f;
     const bool is_tiny = largest_magnitude(ray.dir) < kTiny, is_far = is_beyond_reach(ray.org, box);
     if (is_tiny || is_far) return anchored(ray, box, is_tiny ? 1 / kTiny : 1.0f, is_far);
     return {{ray.org.x, ray.org.y, ray.org.z},
@@ -60,9 +61,6 @@ struct CellRay {
 
   // 1 where the ray runs towards smaller coordinates, else 0.
   ACCEL_HD std::uint32_t backwards(int axis) const { return backwards_axes >> axis & 1u; }
-
-  // The same for the axis in bits 0 to 2 of a word: where another step waits for the result, masking the word would cost time.
-  ACCEL_HD std::uint32_t backwards_at(std::uint32_t word) const { return backwards_axes >> (word & 31u) & 1u; }
 
   // The faces through which the ray enters and leaves boxes.
   ACCEL_HD float entry_face(const Aabb& box, int axis) const { return either(box.lo[axis], box.hi[axis], backwards(axis)); }

@@ -44,7 +44,7 @@ struct KdTreeBacktrack : KdTraversal<Test, kQuery> {
     const KdCrossing plane = crossing(view, state);
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
     if (plane.t < state.t_max) state.t_max = plane.t;
-    return go_to(view, plane.first, state, observer);
+    return go_to(view, plane.first(), state, observer);
   }
 
   // continue-search after a leaf, then backtrack once for each ancestor.

@@ -34,9 +34,9 @@ struct KdTreeRestart : KdTraversal<Test, kQuery> {
   ACCEL_HD static Phase descend(const View& view, const Ray&, State& state, Hit&, Observer& observer) {
     observer.node_step();
     const KdCrossing plane = crossing(view, state);
-    if (!(plane.t > state.t_min)) return enter(view, plane.second(), state, observer);
+    if (!(plane.t > state.t_min)) return enter_second(plane, state, observer);
     if (plane.t < state.t_max) state.t_max = plane.t;
-    return enter(view, plane.first, state, observer);
+    return enter_first(plane, state, observer);
   }
 
   // continue-search

@@ -41,7 +41,7 @@ struct KdTreeRopes : KdTraversal<Test, kQuery> {
     observer.node_step();
     const KdCrossing plane = crossing(view, state);
     if (!(plane.t > state.t_min)) return go_to(view, plane.second(), state, observer);
-    return go_to(view, plane.first, state, observer);
+    return go_to(view, plane.first(), state, observer);
   }
 
   template <class Observer>
@@ -55,11 +55,11 @@ struct KdTreeRopes : KdTraversal<Test, kQuery> {
  private:
   template <class Observer>
   ACCEL_HD static Phase go_to(const View& view, std::uint32_t index, State& state, Observer& observer) {
-    load_node(view, index, state, observer);
+    load_node(view.nodes + index, index, state, observer);
     if (!state.node.is_leaf()) return Phase::descend;
     find_exit(view.ropes[state.node.ordinal()], state, observer);
     const bool is_passed_through = !(state.t_min < state.t_max) && state.t_max < state.t_end;
-    return is_passed_through ? Phase::backtrack : enter_leaf(view, state, observer);
+    return is_passed_through ? Phase::backtrack : enter_leaf(state, observer);
   }
 
   // Where the ray leaves the leaf's cell, and the rope of that face. At the border of the tree the ray has ended.

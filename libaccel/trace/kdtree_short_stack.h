@@ -52,11 +52,11 @@ struct KdTreeShortStack : KdTraversal<Test, kQuery> {
     observer.node_step();
     const KdCrossing plane = crossing(view, state);
     if (!(plane.t > state.t_min)) return enter_only(view, plane.second(), state, observer);
-    if (!(plane.t < state.t_max)) return enter_only(view, plane.first, state, observer);
+    if (!(plane.t < state.t_max)) return enter_only(view, plane.first(), state, observer);
     push(state, {plane.second(), state.t_max}, observer);
     state.push_down = false;
     state.t_max = plane.t;
-    return enter(view, plane.first, state, observer);
+    return enter_first(plane, state, observer);
   }
 
   template <class Observer>

@@ -45,12 +45,12 @@ struct KdTreeStack : KdTraversal<Test, kQuery> {
     observer.node_step();
     const KdCrossing plane = crossing(view, state);
     // A branch, not a select: a predicted child is fetched before the distance is known, see bvh2_stack.h.
-    if (!(plane.t > state.t_min)) return enter(view, plane.second(), state, observer);
+    if (!(plane.t > state.t_min)) return enter_second(plane, state, observer);
     Postponed& entry = state.stack->entries[state.postponed++];
     observer.store(Memory::stack, &entry, sizeof entry);
     entry = {plane.second(), state.t_max};
     state.t_max = min_of(plane.t, state.t_max);
-    return enter(view, plane.first, state, observer);
+    return enter_first(plane, state, observer);
   }
 
   // continue-search

@@ -265,7 +265,7 @@ test_kdtrees() {
 
 # What is left out is said; that hits are the same without it, the checks of accel-trace show.
 test_explain() {
-  expect 0 build builtin:soup:5000 --structure kdtree --stats --explain
+  expect 0 build builtin:soup:5000 --structure kdtree --max-references 2 --stats --explain
   says out "parents and boxes: skipped, because kdtree/stack does not read them"; says out "ropes: skipped"
   says out "splits: skipped, because they would make more references than max_references allows"
   expect 0 build builtin:soup:5000 --for kdtree/ropes --explain -o ropes.accel; says out "ropes: added, because kdtree/ropes reads them"

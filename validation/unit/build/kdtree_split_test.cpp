@@ -14,7 +14,7 @@
 namespace accel {
 namespace {
 
-constexpr KdCosts kCosts{1.0, 1.5, 0.2};
+constexpr KdCosts kCosts{.traversal = 1.0, .intersection = 1.5, .leaf = 2.5, .empty_bonus = 0.2};
 
 TEST(KdEvents, OrderIsPositionThenEndsBeforeStartsThenReferences) {
   const KdEvent ordered[] = {{-1.0f, 5},  {-1.0f, KdEvent::kStart | 3}, {0.0f, 1}, {0.0f, 2}, {0.0f, KdEvent::kStart},
@@ -144,8 +144,9 @@ class SlowCheck {
           if (std::uint64_t{below} + above > set.limit) continue;
           Aabb lower = set.cell, upper = set.cell;
           lower.hi[a] = upper.lo[a] = position;
-          double cost = kCosts.traversal * half_area_in_double(set.cell) +
-                        kCosts.intersection * (half_area_in_double(lower) * below + half_area_in_double(upper) * above);
+          const auto leaf_cost = [](std::uint32_t n) { return n == 0 ? 0.0 : kCosts.leaf + kCosts.intersection * n; };
+          double cost = kCosts.traversal * half_area_in_double(set.cell) + half_area_in_double(lower) * leaf_cost(below) +
+                        half_area_in_double(upper) * leaf_cost(above);
           if (below == 0 || above == 0) cost *= 1 - kCosts.empty_bonus;
           best = std::min(best, cost);
         }
