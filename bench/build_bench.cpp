@@ -1,6 +1,6 @@
-// Build times of every builder of the registry, beside Embree's of medium and high quality in the same run.
+// Build times of every builder of the registry, beside Embree's of low, medium and high quality in the same run.
 //
-// A group is a scene; its rows are the builders, and Embree's two qualities. Ratios are to medium quality.
+// A group is a scene; its rows are the builders, and Embree's qualities. Ratios are to medium quality.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -50,6 +50,7 @@ Status register_benchmarks(const Options& options) {
       if (builders.insert(method.builder).second) add_builder(scene, method, options.threads);
     if (!validation::EmbreeWitness::available()) continue;
     add_embree(scene, kEmbreeRow, validation::EmbreeQuality::medium, options.threads);
+    add_embree(scene, "embree-low", validation::EmbreeQuality::low, options.threads);
     add_embree(scene, "embree-high", validation::EmbreeQuality::high, options.threads);
   }
   return Done{};
