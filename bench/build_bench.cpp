@@ -30,7 +30,8 @@ void add_builder(const std::shared_ptr<Scene>& scene, const MethodInfo& method, 
 void add_embree(const std::shared_ptr<Scene>& scene, const char* name, validation::EmbreeQuality quality, int threads) {
   const auto row = [=](benchmark::State& state) {
     for (auto _ : state) {
-      const auto embree = validation::EmbreeWitness::build(scene->data.mesh, {.quality = quality, .build_threads = threads});
+      const auto embree = validation::EmbreeWitness::build(
+          scene->data.mesh, {.mode = validation::EmbreeMode::fast, .quality = quality, .build_threads = threads});
       if (!embree) return state.SkipWithError(embree.message().c_str());
       state.SetIterationTime(embree->build_seconds());
       state.counters["bytes"] = static_cast<double>(embree->size_bytes());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libaccel/build/parallel.h"
+#include "libaccel/build/wide_node.h"
 
 namespace accel {
 namespace {
@@ -167,16 +168,12 @@ class Collapse {
     gather(binary.child[0], binary.bounds(0), left, family);
     gather(binary.child[1], binary.bounds(1), roots - left, family);
 
-    Bvh8Node node{};
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    for (std::uint32_t c = family.count; c < kBvh8Arity; ++c)
-      node.set_child(c, kNoNode, {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}});
+    WideChild children[kBvh8Arity];
     const std::size_t first_pending = pending_.size();
     for (std::uint32_t c = 0; c < family.count; ++c)
-      node.set_child(c, place(family.child[c], at.above + 1), family.child[c].box);
+      children[c] = {place(family.child[c], at.above + 1), family.child[c].box};
     std::reverse(pending_.begin() + static_cast<std::ptrdiff_t>(first_pending), pending_.end());  // the first comes next
-    for (std::uint32_t octant = 0; octant < 8; ++octant) set_order(family, octant, node);
-    nodes_[at.wide] = node;
+    nodes_[at.wide] = make_wide_node(children, family.count);
   }
 
   // At most eight roots deep.
@@ -193,23 +190,6 @@ class Collapse {
     const Bvh2Node& node = bvh_.nodes[ref];
     gather(node.child[0], node.bounds(0), left, family);
     gather(node.child[1], node.bounds(1), roots - left, family);
-  }
-
-  // From the farthest to the nearest.
-  static void set_order(const Family& family, std::uint32_t octant, Bvh8Node& node) {
-    std::pair<float, std::uint32_t> far_first[kBvh8Arity];
-    for (std::uint32_t c = 0; c < kBvh8Arity; ++c) {
-      far_first[c] = {-std::numeric_limits<float>::infinity(), c};
-      if (c >= family.count) continue;
-      float distance = 0;
-      for (int a = 0; a < 3; ++a) {
-        const float centre = family.child[c].box.lo[a] * 0.5f + family.child[c].box.hi[a] * 0.5f;
-        distance += (octant >> a & 1u) != 0 ? centre : -centre;
-      }
-      far_first[c].first = distance;
-    }
-    std::sort(far_first, far_first + kBvh8Arity);
-    for (std::uint32_t i = 0; i < kBvh8Arity; ++i) node.order[i] |= far_first[i].second << 3 * octant;
   }
 
   // Makes room for a child, and a leaf at once. Returns its reference.
