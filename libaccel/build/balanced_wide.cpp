@@ -14,17 +14,17 @@ class Balanced {
         leaf_size_(static_cast<std::size_t>(options.max_leaf_size)) {}
 
   WideNodes run() {
-    wide_.root = build(0, sorted_.size(), 0).ref;
-    return std::move(wide_);
+    const NodeRef root = build(0, sorted_.size(), 0).ref;
+    return {Buffer<Bvh8Node>::copy_of(nodes_), root, depth_};
   }
 
  private:
   // As deep as the logarithm of the size.
   WideChild build(std::size_t begin, std::size_t end, std::uint32_t above) {
-    wide_.depth = std::max(wide_.depth, above);
+    depth_ = std::max(depth_, above);
     if (above == max_depth_ || end - begin <= leaf_size_) return make_leaf(begin, end);
-    const std::size_t index = wide_.nodes.size(), size = end - begin;
-    wide_.nodes.emplace_back();
+    const std::size_t index = nodes_.size(), size = end - begin;
+    nodes_.emplace_back();
     WideChild children[kBvh8Arity];
     Aabb box;
     const auto count = static_cast<std::uint32_t>(std::min<std::size_t>(size, kBvh8Arity));
@@ -32,7 +32,7 @@ class Balanced {
       children[c] = build(begin + size * c / count, begin + size * (c + 1) / count, above + 1);
       box.extend(children[c].box);
     }
-    wide_.nodes[index] = make_wide_node(children, count);
+    nodes_[index] = make_wide_node(children, count);
     return {static_cast<NodeRef>(index), box};
   }
 
@@ -49,7 +49,8 @@ class Balanced {
   std::vector<BlockRun>& runs_;
   const std::uint32_t max_depth_;
   const std::size_t leaf_size_;
-  WideNodes wide_;
+  std::vector<Bvh8Node> nodes_;
+  std::uint32_t depth_ = 0;
 };
 
 }  // namespace

@@ -122,14 +122,15 @@ class Merge {
 
 }  // namespace
 
-void merge_clusters(BuildContext& context, Buffer<Cluster>& clusters, std::size_t leaves, const Box4& bounds,
-                    ProgressMeter& progress) {
+void merge_clusters(BuildContext& context, ClusterTree& tree, const Box4& bounds, ProgressMeter& progress) {
   context.begin_phase("merge");
-  Merge merge(clusters, leaves, bounds);
+  Merge merge(tree.clusters, tree.leaves, bounds);
   context.memory.add(merge.size_bytes());
+  tree.rounds = {tree.leaves};
   while (merge.count() > 1 && !progress.stopped()) {
     const std::size_t before = merge.count();
     merge.round();
+    tree.rounds.push_back(tree.rounds.back() + before - merge.count());
     progress.advance(before - merge.count());
   }
   context.memory.subtract(merge.size_bytes());

@@ -12,17 +12,24 @@
 // The same for any number of threads. O(n kReach).
 #pragma once
 
+#include <vector>
+
 #include "libaccel/build/build_context.h"
 #include "libaccel/build/cluster.h"
 #include "libaccel/core/buffer.h"
 
 namespace accel {
 
-inline constexpr std::uint32_t kReach = 8;
+inline constexpr std::uint32_t kReach = 4;
 
-// Adds inner nodes behind the `leaves` first clusters, which has room for them: leaves - 1, children before parents, the root
-// last. `leaves` > 0. Stops early where the progress says so.
-void merge_clusters(BuildContext& context, Buffer<Cluster>& clusters, std::size_t leaves, const Box4& bounds,
-                    ProgressMeter& progress);
+struct ClusterTree {
+  Buffer<Cluster> clusters;         // leaves, then inner nodes, children before parents; the root is the last of 2 leaves - 1
+  std::size_t leaves = 0;           // in the order of a curve
+  std::vector<std::size_t> rounds;  // the first node of each round, and one behind the last
+};
+
+// Adds the inner nodes to a tree that has leaves, at least one, and room for 2 leaves - 1 clusters. Stops early where the
+// progress says so.
+void merge_clusters(BuildContext& context, ClusterTree& tree, const Box4& bounds, ProgressMeter& progress);
 
 }  // namespace accel

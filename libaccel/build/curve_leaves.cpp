@@ -66,22 +66,22 @@ class Cutter {
 
 }  // namespace
 
-CurveLeaves cut_into_leaves(BuildContext& context, const Buffer<Reference>& sorted, const Box4& bounds, std::uint32_t most) {
+ClusterTree cut_into_leaves(BuildContext& context, const Buffer<Reference>& sorted, const Box4& bounds, std::uint32_t most) {
   context.begin_phase("leaves");
   const Float4 scale = unit_scale(bounds);
-  CurveLeaves leaves{Buffer<Cluster>(2 * sorted.size()), 0};
-  context.memory.add(leaves.clusters.size_bytes());
+  ClusterTree tree{Buffer<Cluster>(2 * sorted.size()), 0, {}};
+  context.memory.add(tree.clusters.size_bytes());
   std::vector<std::size_t> counts(chunk_count(sorted.size()));
-  Cluster* const clusters = leaves.clusters.data();
+  Cluster* const clusters = tree.clusters.data();
   for_chunks(0, sorted.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     counts[chunk] = Cutter(sorted.data(), begin, end, scale, most).write(clusters + begin);
   });
   for (std::size_t chunk = 0; chunk < counts.size(); ++chunk) {
     const Cluster* const from = clusters + chunk * kChunk;
-    if (from != clusters + leaves.count) std::copy(from, from + counts[chunk], clusters + leaves.count);
-    leaves.count += counts[chunk];
+    if (from != clusters + tree.leaves) std::copy(from, from + counts[chunk], clusters + tree.leaves);
+    tree.leaves += counts[chunk];
   }
-  return leaves;
+  return tree;
 }
 
 }  // namespace accel

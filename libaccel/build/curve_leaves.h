@@ -7,16 +7,12 @@
 // The curve is cut into chunks of a fixed size first, so that leaves do not depend on the number of threads.
 #pragma once
 
-#include "libaccel/build/cluster.h"
+#include "libaccel/build/cluster_tree.h"
 #include "libaccel/build/references.h"
 
 namespace accel {
 
-// One cluster for each leaf, in the order of the curve: begin is its first reference, count how many it has.
-struct CurveLeaves {
-  Buffer<Cluster> clusters;
-  std::size_t count = 0;
-};
-CurveLeaves cut_into_leaves(BuildContext& context, const Buffer<Reference>& sorted, const Box4& bounds, std::uint32_t most);
+// One cluster for each leaf, in the order of the curve, with room for what merges them. At least one reference.
+ClusterTree cut_into_leaves(BuildContext& context, const Buffer<Reference>& sorted, const Box4& bounds, std::uint32_t most);
 
 }  // namespace accel

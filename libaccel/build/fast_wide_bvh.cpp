@@ -41,20 +41,19 @@ Result<Bvh8> build_tree(BuildContext& context) {
   const auto most = static_cast<std::uint32_t>(std::min<int>(context.options.max_leaf_size, kBlockLanes));
 
   ProgressMeter progress(context.options.progress, "merge", count);
-  CurveLeaves leaves = cut_into_leaves(context, sorted, bounds.boxes, most);
-  progress.advance(count - leaves.count);
-  merge_clusters(context, leaves.clusters, leaves.count, bounds.boxes, progress);
+  ClusterTree tree = cut_into_leaves(context, sorted, bounds.boxes, most);
+  progress.advance(count - tree.leaves);
+  merge_clusters(context, tree, bounds.boxes, progress);
   if (progress.stopped()) return Error{std::string(kInterrupted)};
 
   context.begin_phase("collapse");
-  const auto max_depth = static_cast<std::uint32_t>(context.options.max_depth);
-  std::optional<WideNodes> nodes = collapse_clusters(leaves.clusters, leaves.count, max_depth);
+  std::optional<WideNodes> nodes = collapse_clusters(tree, context.options);
   std::vector<BlockRun> runs;
   if (!nodes) {
     nodes = balanced_wide(sorted, context.options, runs);
   } else {
-    runs.resize(leaves.count);
-    for (std::size_t i = 0; i < leaves.count; ++i) runs[i] = {leaves.clusters[i].first, leaves.clusters[i].second};
+    runs.resize(tree.leaves);
+    for (std::size_t i = 0; i < tree.leaves; ++i) runs[i] = {tree.clusters[i].first, tree.clusters[i].second};
   }
   if (nodes->nodes.size() >= kLeafBit || runs.size() > kMaxBlocks)
     return Error{"the wide tree needs " + std::to_string(nodes->nodes.size()) + " nodes and " + std::to_string(runs.size()) +
@@ -62,9 +61,9 @@ Result<Bvh8> build_tree(BuildContext& context) {
 
   Bvh8 wide;
   static_cast<Bvh8Words&>(wide) = {nodes->root, nodes->depth, count, bounds.boxes.aabb()};
-  wide.nodes = Buffer<Bvh8Node>::copy_of(nodes->nodes);
+  wide.nodes = nodes->nodes;
   wide.blocks = Buffer<TriangleBlock>(runs.size());
-  context.memory.add(wide.size_bytes() + wide.nodes.size_bytes() + runs.size() * sizeof(BlockRun));
+  context.memory.add(collapse_clusters_bytes(tree, *nodes) + wide.blocks.size_bytes() + runs.size() * sizeof(BlockRun));
   context.begin_phase("blocks");
   for_chunks(0, runs.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
