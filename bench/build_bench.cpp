@@ -1,7 +1,7 @@
 // Build times of every builder of the registry, beside Embree's of low, medium and high quality in the same run.
 //
-// A group is a scene; its rows are the builders, a refit of the fast builder's tree, and Embree's qualities, of scenes that are not
-// ROBUST: those have no high quality. Ratios are to medium quality.
+// A group is a scene; its rows are the builders, a refit of the fast builder's tree, and Embree's qualities, of scenes that are
+// not ROBUST: those have no high quality. Ratios are to medium quality.
 #include <benchmark/benchmark.h>
 
 #include <memory>

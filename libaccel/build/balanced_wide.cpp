@@ -10,7 +10,9 @@ namespace {
 class Balanced {
  public:
   Balanced(const Buffer<Reference>& sorted, const BuildOptions& options, std::vector<BlockRun>& runs)
-      : sorted_(sorted), runs_(runs), max_depth_(static_cast<std::uint32_t>(options.max_depth)),
+      : sorted_(sorted),
+        runs_(runs),
+        max_depth_(static_cast<std::uint32_t>(options.max_depth)),
         leaf_size_(static_cast<std::size_t>(options.max_leaf_size)) {}
 
   WideNodes run() {

@@ -24,11 +24,15 @@ std::uint32_t difference(PairKey key) { return static_cast<std::uint32_t>(key); 
 class Merge {
  public:
   Merge(Buffer<Cluster>& clusters, std::size_t leaves, const Box4& bounds)
-      : clusters_(clusters), nodes_(leaves), count_(leaves), scale_(unit_scale(bounds)), active_(leaves), next_(leaves),
+      : clusters_(clusters),
+        nodes_(leaves),
+        count_(leaves),
+        scale_(unit_scale(bounds)),
+        active_(leaves),
+        next_(leaves),
         best_(leaves) {
     for_chunks(0, leaves, [&](std::size_t, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        active_[i] = {clusters[i].lo, static_cast<std::uint32_t>(i), clusters[i].hi, 0};
+      for (std::size_t i = begin; i < end; ++i) active_[i] = {clusters[i].lo, static_cast<std::uint32_t>(i), clusters[i].hi, 0};
     });
   }
   std::size_t count() const { return count_; }

@@ -52,8 +52,7 @@ class Collapse {
     const Cluster& cluster = clusters_[i];
     const std::uint32_t child[2] = {cluster.first, cluster.second};
     float leaf_cost[2];
-    for (int c = 0; c < 2; ++c)
-      leaf_cost[c] = is_leaf_cluster(child[c]) ? area(child[c]) * options_.intersection_cost : 0.0f;
+    for (int c = 0; c < 2; ++c) leaf_cost[c] = is_leaf_cluster(child[c]) ? area(child[c]) * options_.intersection_cost : 0.0f;
     const auto cost_of = [&](int c, int roots) {
       return is_leaf_cluster(child[c]) ? leaf_cost[c] : forests(child[c]).cost(roots);
     };
@@ -71,13 +70,13 @@ class Collapse {
     return true;
   }
   std::size_t list_level(std::size_t begin, std::size_t end) {
-    first_child_.resize(end);
+    families_.resize(end), first_child_.resize(end);
     std::vector<std::size_t> before(chunk_count(end - begin));
     for_chunks(begin, end, [&](std::size_t chunk, std::size_t first, std::size_t last) {
       std::size_t sum = 0;
       for (std::size_t i = first; i < last; ++i) {
         first_child_[i] = static_cast<std::uint32_t>(sum);
-        const Family family = family_of(parents_[i]);
+        const Family& family = families_[i] = family_of(parents_[i]);
         for (std::uint32_t c = 0; c < family.count; ++c) sum += is_leaf_cluster(family.child[c]) ? 0 : 1;
       }
       before[chunk] = sum;
@@ -88,7 +87,7 @@ class Collapse {
     for_chunks(begin, end, [&](std::size_t chunk, std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         std::size_t to = first_child_[i] += static_cast<std::uint32_t>(before[chunk]);
-        const Family family = family_of(parents_[i]);
+        const Family& family = families_[i];
         for (std::uint32_t c = 0; c < family.count; ++c)
           if (!is_leaf_cluster(family.child[c])) parents_[to++] = family.child[c];
       }
@@ -115,7 +114,7 @@ class Collapse {
   }
 
   Bvh8Node make_node(std::size_t i) const {
-    const Family family = family_of(parents_[i]);
+    const Family& family = families_[i];
     NodeRef next = first_child_[i];
     WideChild children[kBvh8Arity];
     for (std::uint32_t c = 0; c < family.count; ++c) {
@@ -132,6 +131,7 @@ class Collapse {
   Float4 scale_;
   Buffer<WideForests> forests_;                       // by inner cluster
   std::vector<std::uint32_t> parents_, first_child_;  // by wide node
+  std::vector<Family> families_;                      // likewise
   std::uint32_t depth_ = 0;
 };
 
@@ -142,7 +142,8 @@ std::optional<WideNodes> collapse_clusters(const ClusterTree& tree, const BuildO
 }
 
 std::uint64_t collapse_clusters_bytes(const ClusterTree& tree, const WideNodes& wide) {
-  return (tree.leaves - 1) * sizeof(WideForests) + wide.nodes.size() * (sizeof(Bvh8Node) + 2 * sizeof(std::uint32_t));
+  return (tree.leaves - 1) * sizeof(WideForests) +
+         wide.nodes.size() * (sizeof(Bvh8Node) + 2 * sizeof(std::uint32_t) + sizeof(Family));
 }
 
 }  // namespace accel

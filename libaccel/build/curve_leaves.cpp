@@ -19,8 +19,13 @@ constexpr float kChildCost = 1.0f;
 class Cutter {
  public:
   Cutter(const Reference* references, std::size_t begin, std::size_t end, Float4 scale, std::uint32_t most)
-      : references_(references + begin), first_(static_cast<std::uint32_t>(begin)), count_(end - begin), most_(most),
-        scale_(scale), cost_(count_ + 1), size_(count_ + 1) {
+      : references_(references + begin),
+        first_(static_cast<std::uint32_t>(begin)),
+        count_(end - begin),
+        most_(most),
+        scale_(scale),
+        cost_(count_ + 1),
+        size_(count_ + 1) {
     cut();
   }
 

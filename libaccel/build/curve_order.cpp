@@ -11,7 +11,7 @@ namespace accel {
 namespace {
 
 constexpr int kAxisBits = 21, kCodeBits = 3 * kAxisBits;
-constexpr int kLowBits = 32;                 // left to the second round
+constexpr int kLowBits = 32;           // left to the second round
 constexpr std::size_t kFewCodes = 64;  // sorted by insertion
 
 // Cells along the widest axis of the centres; one where all are the same.

@@ -62,7 +62,8 @@ class Refit {
       return Error{"refitting: the tree has " + unknown.name() + ", but the mesh has " + std::to_string(mesh_.size()) +
                    " triangles; refit with the triangles that it was built over, or rebuild"};
     if (out_of_range.found())
-      return Error{"refitting: " + out_of_range.name() + " has a coordinate that is not finite or too large; rebuild without it"};
+      return Error{"refitting: " + out_of_range.name() +
+                   " has a coordinate that is not finite or too large; rebuild without it"};
     return Done{};
   }
 

@@ -30,8 +30,8 @@ struct RefittedBvh8 {
 
 // The mesh has the triangles that the tree was built over, by number; only vertices differ, and its indices are in range. An
 // error where it has not, where a coordinate is out of range (a build would leave the triangle out), and where a triangle that
-// the build has left out can be hit now: the tree has no place for it (a triangle whose vertices were on one line may have gained
-// an area by rounding; one with two equal vertices never does). Of the options, threads and costs are read.
+// the build has left out can be hit now: the tree has no place for it (a triangle whose vertices were on one line may have
+// gained an area by rounding; one with two equal vertices never does). Of the options, threads and costs are read.
 Result<RefittedBvh8> refit_wide(const Bvh8& bvh, const TriangleMesh& mesh, const BuildOptions& options);
 
 }  // namespace accel

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "libaccel/structure/bvh8.h"
 
@@ -27,13 +28,23 @@ class WideForests {
   // From those of the children. `node_cost` and `leaf_cost` are the node's own.
   template <class CostOf>
   void choose(const CostOf& cost_of, float node_cost, float leaf_cost) {
-    for (int roots = 2; roots <= kMostForestRoots + 1; ++roots) {
-      float least = cost_of(0, 1) + cost_of(1, roots - 1);
-      int left = 1;
-      for (int k = std::max(2, roots - kMostForestRoots); k < std::min(roots, kMostForestRoots + 1); ++k)
-        if (const float sum = cost_of(0, k) + cost_of(1, roots - k); sum < least) least = sum, left = k;
-      set(roots, least, left);
+    // All numbers of roots at once, for each number of them on the left; what is impossible costs infinitely much.
+    constexpr int kLanes = static_cast<int>(kBvh8Arity);
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    float right[2 * kLanes], least[kLanes];
+    std::int32_t left[kLanes];
+    std::fill(right, right + 2 * kLanes, kInfinity), std::fill(least, least + kLanes, kInfinity);
+    std::fill(left, left + kLanes, 1);
+    for (int k = 1; k <= kMostForestRoots; ++k) right[kLanes + k - 1] = cost_of(1, k);
+    for (int k = 1; k <= kMostForestRoots; ++k) {
+      const float cost = cost_of(0, k);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const float sum = cost + right[kLanes + lane - k];
+        left[lane] = sum < least[lane] ? k : left[lane];
+        least[lane] = sum < least[lane] ? sum : least[lane];
+      }
     }
+    for (int roots = 2; roots <= kMostForestRoots + 1; ++roots) set(roots, least[roots - 1], left[roots - 1]);
     const float inner = node_of_eight_ + node_cost;
     left_[0] = leaf_cost <= inner ? 1 : 0;
     cost_[0] = std::min(leaf_cost, inner);
