@@ -1,6 +1,7 @@
-// Build times of every builder of the registry, beside Embree's of medium and high quality in the same run.
+// Build times of every builder of the registry, beside Embree's of low, medium and high quality in the same run.
 //
-// A group is a scene; its rows are the builders, and Embree's two qualities. Ratios are to medium quality.
+// A group is a scene; its rows are the builders, a refit of the fast builder's tree, and Embree's qualities, of scenes that are
+// not ROBUST: those have no high quality. Ratios are to medium quality.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -8,6 +9,7 @@
 
 #include "bench/bench_main.h"
 #include "libaccel/registry/any_accel.h"
+#include "libaccel/registry/refit.h"
 #include "validation/oracle/embree.h"
 
 namespace accel::bench {
@@ -26,11 +28,25 @@ void add_builder(const std::shared_ptr<Scene>& scene, const MethodInfo& method, 
   benchmark::RegisterBenchmark((scene->name + "|" + method.builder).c_str(), row)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
+// A frame of a mesh that moves: the tree of the fast builder stays.
+void add_refit(const std::shared_ptr<Scene>& scene, int threads) {
+  const auto row = [=](benchmark::State& state) {
+    const Result<AnyAccel> accel = AnyAccel::build(scene->data.mesh, "bvh8-fast/ordered", {.threads = threads});
+    if (!accel) return state.SkipWithError(accel.message().c_str());
+    for (auto _ : state)
+      if (const auto moved = refit(*accel, scene->data.mesh, {.threads = threads}); !moved)
+        return state.SkipWithError(moved.message().c_str());
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(scene->data.mesh.size()));
+  };
+  benchmark::RegisterBenchmark((scene->name + "|refit").c_str(), row)->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
 // Without the copy of the mesh that Embree makes for itself: ours reads the caller's.
 void add_embree(const std::shared_ptr<Scene>& scene, const char* name, validation::EmbreeQuality quality, int threads) {
   const auto row = [=](benchmark::State& state) {
     for (auto _ : state) {
-      const auto embree = validation::EmbreeWitness::build(scene->data.mesh, {.quality = quality, .build_threads = threads});
+      const auto embree = validation::EmbreeWitness::build(
+          scene->data.mesh, {.mode = validation::EmbreeMode::fast, .quality = quality, .build_threads = threads});
       if (!embree) return state.SkipWithError(embree.message().c_str());
       state.SetIterationTime(embree->build_seconds());
       state.counters["bytes"] = static_cast<double>(embree->size_bytes());
@@ -48,8 +64,10 @@ Status register_benchmarks(const Options& options) {
     std::set<std::string> builders;
     for (const MethodInfo& method : methods())
       if (builders.insert(method.builder).second) add_builder(scene, method, options.threads);
+    add_refit(scene, options.threads);
     if (!validation::EmbreeWitness::available()) continue;
     add_embree(scene, kEmbreeRow, validation::EmbreeQuality::medium, options.threads);
+    add_embree(scene, "embree-low", validation::EmbreeQuality::low, options.threads);
     add_embree(scene, "embree-high", validation::EmbreeQuality::high, options.threads);
   }
   return Done{};

@@ -24,3 +24,4 @@
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/any_accel.h"
 #include "libaccel/registry/multi_hit.h"
+#include "libaccel/registry/refit.h"

@@ -6,55 +6,13 @@
 #include <vector>
 
 #include "libaccel/build/parallel.h"
+#include "libaccel/build/wide_forests.h"
+#include "libaccel/build/wide_node.h"
 
 namespace accel {
 namespace {
 
-constexpr int kMostRoots = static_cast<int>(kBvh8Arity) - 1;  // of a forest that is not a whole node
-
 std::uint32_t blocks_for(std::uint32_t triangles) { return (triangles + kBlockLanes - 1) / kBlockLanes; }
-
-// The least costs of forests over one binary node, and the choices that make them.
-class Forests {
- public:
-  float cost(int roots) const { return cost_[roots - 1]; }
-  bool is_leaf() const { return left_[0] != 0; }
-  // How many of the roots are in the left subtree; `roots` becomes the number that is worth having. For roots > 1.
-  int left(int& roots) const {
-    while (roots > 1 && left_[roots - 1] == 0) --roots;
-    return left_[roots - 1];
-  }
-
-  // From those of the children. `node_cost` and `leaf_cost` are the node's own.
-  template <class CostOf>
-  void choose(const CostOf& cost_of, float node_cost, float leaf_cost) {
-    for (int roots = 2; roots <= kMostRoots + 1; ++roots) {
-      float least = cost_of(0, 1) + cost_of(1, roots - 1);
-      int left = 1;
-      for (int k = std::max(2, roots - kMostRoots); k < std::min(roots, kMostRoots + 1); ++k)
-        if (const float sum = cost_of(0, k) + cost_of(1, roots - k); sum < least) least = sum, left = k;
-      set(roots, least, left);
-    }
-    const float inner = node_of_eight_ + node_cost;
-    left_[0] = leaf_cost <= inner ? 1 : 0;
-    cost_[0] = std::min(leaf_cost, inner);
-    for (int roots = 2; roots <= kMostRoots; ++roots)
-      if (!(cost_[roots - 1] < cost_[roots - 2])) cost_[roots - 1] = cost_[roots - 2], left_[roots - 1] = 0;
-  }
-
- private:
-  void set(int roots, float cost, int left) {
-    left_[roots - 1] = static_cast<std::uint8_t>(left);
-    if (roots <= kMostRoots)
-      cost_[roots - 1] = cost;
-    else
-      node_of_eight_ = cost;
-  }
-
-  float cost_[kMostRoots];
-  float node_of_eight_;
-  std::uint8_t left_[kMostRoots + 1];  // [roots - 1]; 0: fewer roots are as good; of one root: whether it is a leaf
-};
 
 // A subtree of the binary tree that becomes a child.
 struct Child {
@@ -167,16 +125,11 @@ class Collapse {
     gather(binary.child[0], binary.bounds(0), left, family);
     gather(binary.child[1], binary.bounds(1), roots - left, family);
 
-    Bvh8Node node{};
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    for (std::uint32_t c = family.count; c < kBvh8Arity; ++c)
-      node.set_child(c, kNoNode, {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}});
+    WideChild children[kBvh8Arity];
     const std::size_t first_pending = pending_.size();
-    for (std::uint32_t c = 0; c < family.count; ++c)
-      node.set_child(c, place(family.child[c], at.above + 1), family.child[c].box);
+    for (std::uint32_t c = 0; c < family.count; ++c) children[c] = {place(family.child[c], at.above + 1), family.child[c].box};
     std::reverse(pending_.begin() + static_cast<std::ptrdiff_t>(first_pending), pending_.end());  // the first comes next
-    for (std::uint32_t octant = 0; octant < 8; ++octant) set_order(family, octant, node);
-    nodes_[at.wide] = node;
+    nodes_[at.wide] = make_wide_node(children, family.count);
   }
 
   // At most eight roots deep.
@@ -193,23 +146,6 @@ class Collapse {
     const Bvh2Node& node = bvh_.nodes[ref];
     gather(node.child[0], node.bounds(0), left, family);
     gather(node.child[1], node.bounds(1), roots - left, family);
-  }
-
-  // From the farthest to the nearest.
-  static void set_order(const Family& family, std::uint32_t octant, Bvh8Node& node) {
-    std::pair<float, std::uint32_t> far_first[kBvh8Arity];
-    for (std::uint32_t c = 0; c < kBvh8Arity; ++c) {
-      far_first[c] = {-std::numeric_limits<float>::infinity(), c};
-      if (c >= family.count) continue;
-      float distance = 0;
-      for (int a = 0; a < 3; ++a) {
-        const float centre = family.child[c].box.lo[a] * 0.5f + family.child[c].box.hi[a] * 0.5f;
-        distance += (octant >> a & 1u) != 0 ? centre : -centre;
-      }
-      far_first[c].first = distance;
-    }
-    std::sort(far_first, far_first + kBvh8Arity);
-    for (std::uint32_t i = 0; i < kBvh8Arity; ++i) node.order[i] |= far_first[i].second << 3 * octant;
   }
 
   // Makes room for a child, and a leaf at once. Returns its reference.
@@ -267,7 +203,7 @@ class Collapse {
 
   const Bvh2& bvh_;
   const BuildOptions& options_;
-  std::vector<Forests> forests_;
+  std::vector<WideForests> forests_;
   std::vector<Bvh8Node> nodes_;
   std::vector<Pending> pending_;
   std::vector<NodeRef> below_;
@@ -280,7 +216,7 @@ class Collapse {
 Result<Bvh8> collapse_wide(const Bvh2& bvh, const BuildOptions& options) { return Collapse(bvh, options).run(); }
 
 std::uint64_t collapse_peak_bytes(const Bvh2& bvh, const Bvh8& wide) {
-  const std::uint64_t forests = bvh.nodes.size() * sizeof(Forests), nodes = wide.nodes.size_bytes();
+  const std::uint64_t forests = bvh.nodes.size() * sizeof(WideForests), nodes = wide.nodes.size_bytes();
   const std::uint64_t runs = wide.references * sizeof(std::uint32_t) + wide.blocks.size() * sizeof(BlockRun);
   return bvh.size_bytes() + wide.size_bytes() + forests + nodes + runs;
 }

@@ -9,8 +9,7 @@
 // Deviations. A leaf costs by the block of four triangles that are tested at once, not by the triangle. Triangles that spatial
 // splits gave to several leaves that become one are in it once.
 //
-// Children. Their order for each octant (structure/bvh8.h) is that of the boxes' centres along the octant's diagonal. Inner
-// children follow each other in memory, and so do the leaves of one node: depth first, nodes and blocks.
+// Inner children follow each other in memory, and so do the leaves of one node: depth first, nodes and blocks.
 //
 // Nothing here recurses by the depth of the tree. O(n); 36 bytes a binary node, and the nodes once more,
 // beside the two trees. The same bytes for any

@@ -8,13 +8,11 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "libaccel/build/parallel.h"
+#include "libaccel/build/radix_sort.h"
 #include "libaccel/core/buffer.h"
 
 namespace accel {
@@ -93,24 +91,10 @@ struct CpuPrimitives {
   // O(n) for each digit in which keys differ.
   template <class Key>
   static void sort_pairs(Key* keys, std::uint32_t* values, std::size_t n) {
-    static_assert(std::is_unsigned_v<Key>);
-    Buffer<Key> other_keys(n);
-    Buffer<std::uint32_t> other_values(n);
-    Pairs<Key> from{keys, values}, to{other_keys.data(), other_values.data()};
-    for (std::size_t shift = 0; shift < 8 * sizeof(Key); shift += 8)
-      if (sort_by_digit(from, to, n, static_cast<int>(shift))) std::swap(from, to);
-    if (from.keys == keys) return;
-    for_each(n, [&](std::size_t i) { keys[i] = from.keys[i], values[i] = from.values[i]; });
+    radix_sort(keys, values, n);
   }
 
  private:
-  template <class Key>
-  struct Pairs {
-    Key* keys;
-    std::uint32_t* values;
-  };
-  using Histogram = std::array<std::uint32_t, 256>;
-
   template <class T>
   static T scan_serially(const T* in, std::size_t n, T* out, T sum = {}) {
     for (std::size_t i = 0; i < n; ++i) {
@@ -119,38 +103,6 @@ struct CpuPrimitives {
       sum += value;
     }
     return sum;
-  }
-
-  // Turns the counts of each chunk's digits into where they go. False, with nothing of use in them, if there is one digit only.
-  static bool place_digits(std::vector<Histogram>& counts, std::size_t n) {
-    std::uint32_t next = 0;
-    for (std::size_t digit = 0; digit < 256; ++digit) {
-      const std::uint32_t first = next;
-      for (Histogram& count : counts) next += std::exchange(count[digit], next);
-      if (next - first == n) return false;
-    }
-    return true;
-  }
-
-  // One pass. False, and nothing done, if all keys have the same digit.
-  template <class Key>
-  static bool sort_by_digit(const Pairs<Key>& from, const Pairs<Key>& to, std::size_t n, int shift) {
-    const auto digit_of = [&](std::size_t i) { return static_cast<std::size_t>(from.keys[i] >> shift & 0xff); };
-    std::vector<Histogram> counts(chunk_count(n));
-    for_chunks(0, n, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      Histogram count{};
-      for (std::size_t i = begin; i < end; ++i) ++count[digit_of(i)];
-      counts[chunk] = count;
-    });
-    if (!place_digits(counts, n)) return false;
-    for_chunks(0, n, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      Histogram next = counts[chunk];
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::uint32_t place = next[digit_of(i)]++;
-        to.keys[place] = from.keys[i], to.values[place] = from.values[i];
-      }
-    });
-    return true;
   }
 };
 

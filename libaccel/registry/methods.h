@@ -8,6 +8,7 @@
 
 #include "libaccel/build/binned_sah.h"
 #include "libaccel/build/coded_wide_sbvh.h"
+#include "libaccel/build/fast_wide_bvh.h"
 #include "libaccel/build/grid.h"
 #include "libaccel/build/instances.h"
 #include "libaccel/build/kdtree_sah.h"
@@ -53,6 +54,7 @@ using Methods = TypeList<                     //
     Method<Sbvh, Bvh2BreadthFirst>,           // sbvh/breadth-first
     Method<WideSbvh, Bvh8Ordered>,            // bvh8/ordered
     Method<WideSbvh, Bvh8Stream>,             // bvh8/stream
+    Method<FastWideBvh, Bvh8Ordered>,         // bvh8-fast/ordered
     Method<WideSbvh, Bvh8OrderedNaive>,       // bvh8/ordered-naive
     Method<WideSbvh, Bvh8OrderedFused>,       // bvh8/ordered-fma
     Method<HalfWideSbvh, Bvh8HalfOrdered>,    // bvh8-half/ordered
