@@ -31,7 +31,7 @@ void add_builder(const std::shared_ptr<Scene>& scene, const MethodInfo& method, 
 // A frame of a mesh that moves: the tree of the fast builder stays.
 void add_refit(const std::shared_ptr<Scene>& scene, int threads) {
   const auto row = [=](benchmark::State& state) {
-    const Result<AnyAccel> accel = AnyAccel::build(scene->data.mesh, "bvh8-fast/ordered", {.threads = threads});
+    const Result<AnyAccel> accel = AnyAccel::build(scene->data.mesh, "bvh8-fast/stream", {.threads = threads});
     if (!accel) return state.SkipWithError(accel.message().c_str());
     for (auto _ : state)
       if (const auto moved = refit(*accel, scene->data.mesh, {.threads = threads}); !moved)

@@ -74,18 +74,18 @@ void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
 // Of rays that are sorted or traced together. Hits do not depend on them.
 void add_packet_options(CLI::App& app, PacketOptions& packets) {
   app.add_option("--cell-fraction", packets.cell_fraction,
-                 "ray-hash, breadth-first: cells of origins, as a share of the\nscene's diagonal")
+                 "ray-hash, breadth-first, stream: cells of origins, as a share of\nthe scene's diagonal")
       ->check(CLI::Range(2e-5f, 1.0f))
       ->capture_default_str()
       ->type_name("X")
       ->group("Measuring and checking");
-  app.add_option("--packet-size", packets.max_size, "breadth-first: most rays in a packet")
+  app.add_option("--packet-size", packets.max_size, "breadth-first, stream: most rays in a packet")
       ->check(whole_number(1, kMaxPacketSize))
       ->capture_default_str()
       ->type_name("N")
       ->group("Measuring and checking");
   app.add_option("--packet-block", packets.block_size,
-                 "breadth-first: rays that are prepared together; each takes some\n40 bytes of memory in each thread")
+                 "breadth-first, stream: rays that are prepared together; each takes\nsome 40 bytes of memory in each thread")
       ->check(whole_number(1, 1u << 28))
       ->capture_default_str()
       ->type_name("N")

@@ -54,7 +54,7 @@ using Methods = TypeList<                     //
     Method<Sbvh, Bvh2BreadthFirst>,           // sbvh/breadth-first
     Method<WideSbvh, Bvh8Ordered>,            // bvh8/ordered
     Method<WideSbvh, Bvh8Stream>,             // bvh8/stream
-    Method<FastWideBvh, Bvh8Ordered>,         // bvh8-fast/ordered
+    Method<FastWideBvh, Bvh8Stream>,          // bvh8-fast/stream
     Method<WideSbvh, Bvh8OrderedNaive>,       // bvh8/ordered-naive
     Method<WideSbvh, Bvh8OrderedFused>,       // bvh8/ordered-fma
     Method<HalfWideSbvh, Bvh8HalfOrdered>,    // bvh8-half/ordered

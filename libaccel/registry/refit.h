@@ -1,9 +1,9 @@
 // Moves the triangles of a handle's structure without building it anew: for meshes that deform.
 //
-//   auto frame = AnyAccel::build(mesh, "bvh8-fast/ordered");
+//   auto frame = AnyAccel::build(mesh, "bvh8-fast/stream");
 //   for (...) {
 //     const auto moved = refit(*frame, mesh_of_this_frame);
-//     frame = moved->costs.after < 1.3 * first_cost ? moved->accel : AnyAccel::build(mesh_of_this_frame, "bvh8-fast/ordered");
+//     frame = moved->costs.after < 1.3 * first_cost ? moved->accel : AnyAccel::build(mesh_of_this_frame, "bvh8-fast/stream");
 //   }
 //
 // The kind that CPUs trace fastest can be refitted, the bvh8; others are rebuilt.
