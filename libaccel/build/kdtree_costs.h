@@ -5,7 +5,7 @@
 //
 // kKdStepCost and kKdLeafCost say what kdtree/stack spends. They are not tuned to a scene: leaf costs from 1 to 2 tests and
 // steps from 1.25 to 1.75 are as good. Against a model without them (no leaf costs, a step for a test), rays take 3 % less time
-// in the median of six scenes, primary and diffuse, and trees 15 to 22 % less memory; only in BART Kitchen, whose few large
+// in the median of six scenes, primary and diffuse, and trees 15 to 20 % less memory; only in BART Kitchen, whose few large
 // walls are no longer cut out of the empty room, primary rays take 5 % more. A bonus for empty space from 0 to 0.2, the
 // paper's, makes no difference.
 #pragma once
