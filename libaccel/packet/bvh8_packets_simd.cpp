@@ -74,7 +74,8 @@ struct Active {
   std::uint8_t rays[kMostGroups][8];
 
   HWY_INLINE static Active all(const Packet& p) {
-    Active active{.groups = ~GroupBits{0} >> (kMostGroups - p.lanes / width())};
+    Active active;
+    active.groups = ~GroupBits{0} >> (kMostGroups - p.lanes / width());
     for (std::uint32_t g = 0; g < p.lanes / width(); ++g)
       hn::StoreMaskBits(kFloats, hn::Ge(load(p.t + g * width()), set(0)), active.rays[g]);
     return active;
@@ -162,8 +163,8 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const
   }
 }
 
-template <Query kQuery, class Finish>
-HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& batch, bool from_far_end, const Finish& finish) {
+template <Query kQuery, class Answer>
+HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& batch, bool from_far_end, Answer* answers) {
   Packet packet;
   PacketBoxes boxes;
   GroupWork work;
@@ -180,22 +181,17 @@ HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& b
         trace_packet<kQuery, true>(view, frustum, boxes, packet, work);
       else
         trace_packet<kQuery, false>(view, frustum, boxes, packet, work);
-      for (std::uint32_t r = 0; r < size; ++r) finish(packet, r, batch.ids[first + r]);
+      for (std::uint32_t r = 0; r < size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
     }
   }
   return work;
 }
 
 GroupWork intersect(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits) {
-  return trace_packets<Query::closest>(view, batch, false, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
-    hits[ray] = p.prim_id[r] == kNoHit ? Hit{} : Hit{p.t[r], p.u[r], p.v[r], p.prim_id[r]};
-  });
+  return trace_packets<Query::closest>(view, batch, false, hits);
 }
-
 GroupWork occlude(const Bvh8View& view, const LocalizedBatch& batch, bool from_far_end, std::uint8_t* occluded) {
-  return trace_packets<Query::any>(view, batch, from_far_end, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
-    occluded[ray] = p.prim_id[r] == kNoHit ? 0 : 1;
-  });
+  return trace_packets<Query::any>(view, batch, from_far_end, occluded);
 }
 
 }  // namespace

@@ -123,8 +123,8 @@ HWY_INLINE std::uint32_t intersect_leaf(const LocalizedBatch& batch, const Frust
   return answered;
 }
 
-template <Query kQuery, class Finish>
-HWY_INLINE void intersect_packets(const LocalizedBatch& batch, const Finish& finish) {
+template <Query kQuery, class Answer>
+HWY_INLINE void intersect_packets(const LocalizedBatch& batch, Answer* answers) {
   Packet packet;
   GroupFrustums groups;
   for (std::size_t i = 0; i < batch.count; ++i) {
@@ -138,20 +138,12 @@ HWY_INLINE void intersect_packets(const LocalizedBatch& batch, const Finish& fin
       answered += intersect_leaf<kQuery>(batch, frustum, leaf_quad(batch.places[at]), packet, groups);
       if (kQuery == Query::any && answered == packet.size) break;
     }
-    for (std::uint32_t r = 0; r < packet.size; ++r) finish(packet, r, batch.ids[first + r]);
+    for (std::uint32_t r = 0; r < packet.size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
   }
 }
 
-void intersect(const LocalizedBatch& batch, Hit* hits) {
-  intersect_packets<Query::closest>(batch, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
-    hits[ray] = p.prim_id[r] == kNoHit ? Hit{} : Hit{p.t[r], p.u[r], p.v[r], p.prim_id[r]};
-  });
-}
-
-void occlude(const LocalizedBatch& batch, std::uint8_t* occluded) {
-  intersect_packets<Query::any>(
-      batch, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) { occluded[ray] = p.prim_id[r] == kNoHit ? 0 : 1; });
-}
+void intersect(const LocalizedBatch& batch, Hit* hits) { intersect_packets<Query::closest>(batch, hits); }
+void occlude(const LocalizedBatch& batch, std::uint8_t* occluded) { intersect_packets<Query::any>(batch, occluded); }
 
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
 

@@ -95,6 +95,14 @@ HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32
   for (std::uint32_t i = size; i < p.lanes; ++i) p.t_min[i] = kInfinity, p.t[i] = -kInfinity;
 }
 
+// The answer to ray r.
+HWY_INLINE void store_answer(const Packet& p, std::uint32_t r, Hit& answer) {
+  answer = p.prim_id[r] == kNoHit ? Hit{} : Hit{p.t[r], p.u[r], p.v[r], p.prim_id[r]};
+}
+HWY_INLINE void store_answer(const Packet& p, std::uint32_t r, std::uint8_t& answer) {
+  answer = p.prim_id[r] == kNoHit ? 0 : 1;
+}
+
 // Where a side coordinate of the rays from lane i on is at a plane of the dominant axis.
 HWY_INLINE Floats at_plane(const Packet& p, std::uint32_t i, int axis, int side_axis, float plane) {
   const Floats slope = hn::Div(load(p.dir[side_axis] + i), load(p.dir[axis] + i));

@@ -118,9 +118,9 @@ HWY_INLINE void trace_packet(const Bvh2View& view, Packet& p, GroupWork& work) {
   }
 }
 
-template <Query kQuery, class Finish>
+template <Query kQuery, class Answer>
 HWY_INLINE GroupWork trace_packets(const Bvh2View& view, const LocalizedBatch& batch, const std::uint8_t* faces,
-                                   const Finish& finish) {
+                                   Answer* answers) {
   Packet packet;
   GroupWork work;
   for (std::size_t i = 0; i < batch.count; ++i) {
@@ -128,21 +128,16 @@ HWY_INLINE GroupWork trace_packets(const Bvh2View& view, const LocalizedBatch& b
     load_rays(batch.rays, batch.ids + first, end - first, packet);
     prepare_rays(faces[first] >> 1, packet);
     trace_packet<kQuery>(view, packet, work);
-    for (std::uint32_t r = 0; r < packet.size; ++r) finish(packet, r, batch.ids[first + r]);
+    for (std::uint32_t r = 0; r < packet.size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
   }
   return work;
 }
 
 GroupWork intersect(const Bvh2View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits) {
-  return trace_packets<Query::closest>(view, batch, faces, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
-    hits[ray] = p.prim_id[r] == kNoHit ? Hit{} : Hit{p.t[r], p.u[r], p.v[r], p.prim_id[r]};
-  });
+  return trace_packets<Query::closest>(view, batch, faces, hits);
 }
-
 GroupWork occlude(const Bvh2View& view, const LocalizedBatch& batch, const std::uint8_t* faces, std::uint8_t* occluded) {
-  return trace_packets<Query::any>(view, batch, faces, [=](const Packet& p, std::uint32_t r, std::uint32_t ray) {
-    occluded[ray] = p.prim_id[r] == kNoHit ? 0 : 1;
-  });
+  return trace_packets<Query::any>(view, batch, faces, occluded);
 }
 
 std::uint32_t lanes() { return static_cast<std::uint32_t>(hn::Lanes(kFloats)); }
