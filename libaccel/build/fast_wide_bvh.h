@@ -5,8 +5,8 @@
 //
 // Invariants: every triangle is in exactly one leaf; depth <= options.max_depth. Where the tree would be deeper, as over chains
 // of triangles, each twice as large as the one before, it gives way to a balanced one, of equal parts of the curve. Of the
-// options, bins and costs say nothing here; leaves have max_leaf_size triangles at most, or four, which are tested at once.
-// O(n).
+// options, bins say nothing here, and costs only in the collapse; leaves have max_leaf_size triangles at most, or four, which are
+// tested at once. O(n).
 #pragma once
 
 #include "libaccel/build/builder.h"
