@@ -16,6 +16,8 @@ constexpr double kCostOfRuns = 1.1;          // of sorting by them, as a factor 
 constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by their frustums
 // Trials: rays a way and time, and how much of a block they may take.
 constexpr std::size_t kMostTried = 1024, kLeastTried = 256, kShareOfTrials = 24;
+constexpr double kClearlyLess = 0.85;   // than the time of the way so far; a few rays make narrower packets than a block does
+constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: some rows of a picture
 constexpr std::uint32_t kMostBlocksPerTrial = 64;
 
 // Seconds that the calling thread has worked, which others on the machine do not add to.
@@ -89,7 +91,7 @@ void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<
 template <class Answer>
 std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers) {
   const std::size_t size = std::clamp(rays.size() / kShareOfTrials, kLeastTried, kMostTried);
-  order_.begin(rays.first(size));
+  order_.begin(rays.first(std::min(rays.size(), kOrdered)));
   const double in_runs = make_packets(rays, kRun, kComparedSize), as_they_come = make_packets(rays, 0, kComparedSize);
   run_ = in_runs * kCostOfRuns < as_they_come ? kRun : 0;
 
@@ -103,7 +105,8 @@ std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::s
       trace_in(static_cast<Way>(w), rays.subspan(tried, size), answers.subspan(tried, size));
       least[w] = std::min(least[w], thread_seconds() - begin);
     }
-  way_ = static_cast<Way>(std::min_element(least.begin(), least.end()) - least.begin());
+  const auto best = std::min_element(least.begin(), least.end());
+  if (*best < kClearlyLess * least[static_cast<std::size_t>(way_)]) way_ = static_cast<Way>(best - least.begin());
   return tried;
 }
 
