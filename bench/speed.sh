@@ -4,7 +4,7 @@
 #   bash bench/speed.sh [FOLDER] [OUT] [THREADS]
 #
 # FOLDER and OUT are those of bench/scenes.sh (default out/speed); THREADS is 1. Prints Markdown: the median over the scenes, then
-# each scene. Takes some ten minutes.
+# each scene. Takes half a minute a scene.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -39,6 +39,12 @@ def table(scenes):
     return lines
 
 
+def cpu_name():
+    """Of the machine that this runs on."""
+    names = [line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
+    return names[0] if names else "unknown CPU"
+
+
 def main():
     if len(sys.argv) < 2 or sys.argv[1].startswith("-"):
         sys.exit(__doc__ + "\nusage: speed_table.py FILE.json ...")
@@ -48,8 +54,8 @@ def main():
     widest = max(spread for scene in scenes.values() for _, _, spread in scene.values())
     print(f"`{method}` as a multiple of rtcIntersect1 or rtcOccluded1 (in brackets: of Embree's fastest mode for the rays)\n")
     print("\n".join(table(scenes)))
-    print(f"\n{context['date'][:10]}, {context.get('cpu', context['host_name'])}, {context['threads']} thread(s), "
-          f"Embree {context.get('embree', '')}; (max - min) / median of our runs: at most {widest:.0%}.")
+    print(f"\n{context['date'][:10]}, {cpu_name()}, {context['threads']} thread(s), {context['witness']}; "
+          f"(max - min) / median of our runs: at most {widest:.0%}.")
 
 
 if __name__ == "__main__":
