@@ -27,7 +27,7 @@ constexpr std::array<Generator, 10> kGenerators{{
     {{"colonnade", "a vaulted hall of fluted columns, arches and steps", 250'000}, make_colonnade},
     {{"spheres", "a grid of closed spheres with shared vertices", 200'000}, make_spheres},
     {{"forest", "hundreds of instances of three plants on hilly ground", 1'000'000}, make_forest},
-    {{"deep", "clusters that shrink along a line, which drives trees deeper than 64 levels", 20'000}, make_deep},
+    {{"deep", "clusters that shrink along a line: trees deeper than 64 levels", 20'000}, make_deep},
 }};
 
 constexpr auto kScenes = [] {
