@@ -25,6 +25,15 @@ TEST(Buffer, IsAlignedToCacheLines) {
   }
 }
 
+TEST(Buffer, LargeOnesBeginAtAHugePage) {
+  constexpr std::size_t kHugePage = std::size_t{2} << 20;
+  Buffer<char> buffer(5 * kHugePage / 2 + 1);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(buffer.data()) % kHugePage, 0u);
+  buffer[0] = 1, buffer[buffer.size() - 1] = 2;
+  const Buffer<char> copy = Buffer<char>::copy_of(buffer.span());
+  EXPECT_EQ(copy[0] + copy[copy.size() - 1], 3);
+}
+
 TEST(Buffer, CopiesShareTheStorage) {
   Buffer<int> first(10);
   std::iota(first.begin(), first.end(), 0);
