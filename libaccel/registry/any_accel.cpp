@@ -64,6 +64,13 @@ Status has_room(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, s
                std::to_string(hits.size()) + " hits"};
 }
 
+// A block has a ray at least.
+BatchSettings batch_settings(const TraceOptions& options) {
+  BatchSettings settings(options.threads, options.packets);
+  settings.packets.block_size = std::max(settings.packets.block_size, 1u);
+  return settings;
+}
+
 }  // namespace
 
 const std::vector<MethodInfo>& methods() {
@@ -210,7 +217,7 @@ Status AnyAccel::closest(std::span<const Ray> rays, std::span<Hit> hits, const T
   const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, hits); !s) return s;
-  test->entry->closest(*test->structure, rays, hits, {options.threads, options.packets});
+  test->entry->closest(*test->structure, rays, hits, batch_settings(options));
   return Done{};
 } catch (const std::bad_alloc&) {
   return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");
@@ -220,7 +227,7 @@ Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occ
   const auto test = tracer(options.test);
   if (!test) return test.error();
   if (Status s = same_size(rays, occluded); !s) return s;
-  test->entry->occluded(*test->structure, rays, occluded, {options.threads, options.packets});
+  test->entry->occluded(*test->structure, rays, occluded, batch_settings(options));
   return Done{};
 } catch (const std::bad_alloc&) {
   return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");

@@ -150,6 +150,16 @@ TEST(AnyAccel, MultipassAnswersAsClosestDoes) {
   }
 }
 
+TEST(AnyAccel, PacketsOfNothingAreNoOptions) {
+  const std::vector<Ray> rays(600, Ray{.org = {0.25f, 0.25f, 1}, .dir = {0, 0, -1}});
+  const TraceOptions options{.threads = 2, .packets = {.max_size = 0, .min_size = 0, .block_size = 0}};
+  for (const char* method : {"bvh8/stream", "sbvh/breadth-first"}) {
+    std::vector<Hit> hits(rays.size());
+    ASSERT_TRUE(build(method).closest(rays, hits, options));
+    for (const Hit& hit : hits) EXPECT_EQ(hit.t, 1.0f) << method;
+  }
+}
+
 TEST(AnyAccel, CopiesShareTheirStructure) {
   const AnyAccel first = build("bvh/stack");
   const AnyAccel second = first;
