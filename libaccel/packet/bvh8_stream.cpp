@@ -18,7 +18,8 @@ constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by
 constexpr std::size_t kMostTried = 1024, kLeastTried = 256, kShareOfTrials = 24;
 constexpr double kClearlyLess = 0.85;   // than the time of the way so far; a few rays make narrower packets than a block does
 constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: some rows of a picture
-constexpr std::uint32_t kMostBlocksPerTrial = 64;
+constexpr std::uint16_t kMostBlocksPerTrial = 64;
+constexpr std::uint8_t kRun = StreamPlan{}.run;
 
 // Seconds that the calling thread has worked, which others on the machine do not add to.
 double thread_seconds() {
@@ -55,8 +56,8 @@ bool are_alike(std::span<const Ray> rays) {
 }
 
 template <class Answer>
-Bvh8StreamTracer<Answer>::Bvh8StreamTracer(const Bvh8View& view, const PacketOptions& options)
-    : view_(view), options_(options), bounds_(bounds_of(view)), order_(bounds_, options.cell_fraction) {
+Bvh8StreamTracer<Answer>::Bvh8StreamTracer(const Bvh8View& view, const PacketOptions& options, std::atomic<StreamPlan>& plan)
+    : view_(view), options_(options), bounds_(bounds_of(view)), plan_(plan), order_(bounds_, options.cell_fraction) {
   options_.max_size = std::clamp(options.max_size, 1u, kMaxPacketSize);
   options_.block_size = std::max(options.block_size, 1u);
 }
@@ -77,23 +78,25 @@ void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer
 
 template <class Answer>
 void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<Answer> answers) {
+  StreamPlan plan = plan_.load(std::memory_order_relaxed);
   std::size_t tried = 0;
-  if (blocks_to_trial_ == 0 && rays.size() >= kShareOfTrials * kLeastTried) {
-    const Way before = way_;
-    tried = try_ways(rays, answers);
-    trial_distance_ = way_ == before ? std::min(2 * trial_distance_, kMostBlocksPerTrial) : 1;
-    blocks_to_trial_ = trial_distance_;
+  if (plan.blocks_to_trial == 0 && rays.size() >= kShareOfTrials * kLeastTried) {
+    const Way before = plan.way;
+    tried = try_ways(rays, answers, plan);
+    plan.trial_distance = plan.way == before ? std::min<std::uint16_t>(2 * plan.trial_distance, kMostBlocksPerTrial) : 1;
+    plan.blocks_to_trial = plan.trial_distance;
   }
-  blocks_to_trial_ -= blocks_to_trial_ > 0 ? 1 : 0;
-  trace_in(way_, rays.subspan(tried), answers.subspan(tried));
+  plan.blocks_to_trial -= plan.blocks_to_trial > 0 ? 1 : 0;
+  plan_.store(plan, std::memory_order_relaxed);
+  trace_in(plan.way, plan.run, rays.subspan(tried), answers.subspan(tried));
 }
 
 template <class Answer>
-std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers) {
+std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan) {
   const std::size_t size = std::clamp(rays.size() / kShareOfTrials, kLeastTried, kMostTried);
   order_.begin(rays.first(std::min(rays.size(), kOrdered)));
   const double in_runs = make_packets(rays, kRun, kComparedSize), as_they_come = make_packets(rays, 0, kComparedSize);
-  run_ = in_runs * kCostOfRuns < as_they_come ? kRun : 0;
+  plan.run = in_runs * kCostOfRuns < as_they_come ? kRun : 0;
 
   // Twice each, for what is traced first finds the caches cold.
   std::array<double, kWays> least;
@@ -102,19 +105,19 @@ std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::s
   for (int time = 0; time < 2; ++time)
     for (std::size_t w = 0; w < kWays; ++w, tried += size) {
       const double begin = thread_seconds();
-      trace_in(static_cast<Way>(w), rays.subspan(tried, size), answers.subspan(tried, size));
+      trace_in(static_cast<Way>(w), plan.run, rays.subspan(tried, size), answers.subspan(tried, size));
       least[w] = std::min(least[w], thread_seconds() - begin);
     }
   const auto best = std::min_element(least.begin(), least.end());
-  if (*best < kClearlyLess * least[static_cast<std::size_t>(way_)]) way_ = static_cast<Way>(best - least.begin());
+  if (*best < kClearlyLess * least[static_cast<std::size_t>(plan.way)]) plan.way = static_cast<Way>(best - least.begin());
   return tried;
 }
 
 template <class Answer>
-void Bvh8StreamTracer<Answer>::trace_in(Way way, std::span<const Ray> rays, std::span<Answer> answers) {
+void Bvh8StreamTracer<Answer>::trace_in(Way way, std::uint32_t run, std::span<const Ray> rays, std::span<Answer> answers) {
   if (way == Way::turns || rays.empty()) return trace_by_turns(rays, answers);
   order_.begin(rays);
-  make_packets(rays, run_, options_.max_size);
+  make_packets(rays, run, options_.max_size);
   LocalizedBatch batch = packets_.batch({}, rays.data(), order_.ids().data());
   batch.frustums = packets_.frustums().data();
   if constexpr (kIsAnyHit)

@@ -10,6 +10,7 @@
 // bvh8/ordered in all that concerns single rays: what counts their steps or models warps or streams sees that one.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -30,25 +31,35 @@ inline constexpr std::size_t kFewestInPackets = 256;
 // Whether most rays run nearly as the one before, in a sample of some dozens.
 bool are_alike(std::span<const Ray> rays);
 
+// How rays that are alike are traced until the next trial. All who trace parts of a batch share it; where two change it at a
+// time, one change is lost, which costs a trial.
+struct StreamPlan {
+  enum class Way : std::uint8_t { turns, packets, packets_from_far_end };
+  Way way = Way::packets;
+  std::uint8_t run = 8;  // rays that are sorted as one; 0: none are
+  std::uint16_t trial_distance = 1;
+  std::uint32_t blocks_to_trial = 0;
+};
+static_assert(std::atomic<StreamPlan>::is_always_lock_free);
+
 // With the watertight test, by one thread. Answer is Hit, or std::uint8_t for any-hit queries.
 template <class Answer>
 class Bvh8StreamTracer {
  public:
-  Bvh8StreamTracer(const Bvh8View& view, const PacketOptions& options);
+  Bvh8StreamTracer(const Bvh8View& view, const PacketOptions& options, std::atomic<StreamPlan>& plan);
 
   // May throw std::bad_alloc.
   void trace(std::span<const Ray> rays, std::span<Answer> answers);
 
  private:
   static constexpr bool kIsAnyHit = std::is_same_v<Answer, std::uint8_t>;
-  static constexpr std::uint32_t kRun = 8;  // rays that are sorted as one
-  enum class Way : std::uint8_t { turns, packets, packets_from_far_end };
+  using Way = StreamPlan::Way;
   static constexpr std::size_t kWays = kIsAnyHit ? 3 : 2;
 
   void trace_alike(std::span<const Ray> rays, std::span<Answer> answers);
-  // Traces some rays in all ways, and chooses the fastest. Returns how many.
-  std::size_t try_ways(std::span<const Ray> rays, std::span<Answer> answers);
-  void trace_in(Way way, std::span<const Ray> rays, std::span<Answer> answers);
+  // Traces some rays in all ways, and plans the fastest. Returns how many.
+  std::size_t try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan);
+  void trace_in(Way way, std::uint32_t run, std::span<const Ray> rays, std::span<Answer> answers);
   void trace_by_turns(std::span<const Ray> rays, std::span<Answer> answers) const {
     trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(view_, rays, answers);
   }
@@ -60,10 +71,7 @@ class Bvh8StreamTracer {
   Bvh8View view_;
   PacketOptions options_;
   Aabb bounds_;
-  // What rays that are alike go in, until the next trial.
-  Way way_ = Way::packets;
-  std::uint32_t run_ = kRun;
-  std::uint32_t blocks_to_trial_ = 0, trial_distance_ = 1;
+  std::atomic<StreamPlan>& plan_;
 
   // Of the block.
   BlockOrder order_;
@@ -80,7 +88,10 @@ extern template class Bvh8StreamTracer<std::uint8_t>;
 template <class Test, Query kQuery, class TraceSingly>
 class Bvh8StreamBatch {
  public:
-  struct Options : PacketOptions {};
+  // One for all who trace parts of a batch.
+  struct Options : PacketOptions {
+    mutable std::atomic<StreamPlan> plan;
+  };
   using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
   static constexpr bool kIsTuned = kHasBvh8Simd<Bvh8Node, PaddedSlabs, Test>;
   static constexpr std::size_t kFewestRays = 0;
@@ -91,14 +102,14 @@ class Bvh8StreamBatch {
   void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
     const bool has_packets = std::is_same_v<Test, Watertight> && rays.size() >= kFewestInPackets;
     if (has_packets)
-      Bvh8StreamTracer<Answer>(view_, options_).trace(rays, answers);
+      Bvh8StreamTracer<Answer>(view_, options_, options_.plan).trace(rays, answers);
     else
       Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>(view_, {}, trace_singly_).trace(rays, answers);
   }
 
  private:
   const Bvh8View& view_;
-  const PacketOptions& options_;
+  const Options& options_;
   const TraceSingly& trace_singly_;
 };
 
