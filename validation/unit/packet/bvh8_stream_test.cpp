@@ -46,6 +46,19 @@ TEST(Bvh8Stream, HitsAreThoseOfSingleRaysWhateverThePackets) {
   }
 }
 
+// Blocks that are large enough for trials: rays go all ways.
+TEST(Bvh8Stream, HitsAreThoseOfSingleRaysInTrials) {
+  const TriangleMesh mesh = test::soup(2000, 0.1f);
+  const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
+  const auto camera = Camera::make(default_camera(tree.bounds), 160, 120);
+  ASSERT_TRUE(camera) << camera.message();
+  const auto primary = primary_rays(*camera);
+  ASSERT_TRUE(are_alike(primary->rays.span()));
+  for (const std::uint32_t block_size : {32768u, 7000u})
+    for (const int threads : {1, 2})
+      expect_single_rays_answers<Watertight>("soup", tree.view(), primary->rays.span(), {threads, {.block_size = block_size}});
+}
+
 TEST(Bvh8Stream, WithAnotherTriangleTest) {
   const TriangleMesh mesh = test::soup(500, 0.3f);
   const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
