@@ -33,7 +33,7 @@ bool are_alike(std::span<const Ray> rays);
 
 // How rays that are alike are traced until the next trial. All who trace parts of a batch share it; where two change it at a
 // time, one change is lost, which costs a trial.
-struct StreamPlan {
+struct alignas(8) StreamPlan {  // as a word: clang calls a library for atomics of less alignment
   enum class Way : std::uint8_t { turns, packets, packets_from_far_end };
   Way way = Way::packets;
   std::uint8_t run = 8;  // rays that are sorted as one; 0: none are
