@@ -3,8 +3,8 @@
 // Rays that run nearly as the ones before, as those of a picture or to a light, go in packets (packet/bvh8_packets_simd.h), in
 // the order of packet/block_order.h: runs of eight rays are sorted along a curve where that makes narrower frustums, as for a
 // picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). Rays that are alike need not
-// share their way, as those to triangles smaller than the distance between them: now and then a few are traced in both ways,
-// and the clock says what the next blocks go in. Answers do not depend on that.
+// share their way, as those to triangles smaller than the distance between them: now and then a few are traced in all ways,
+// and the clock says which the next blocks go in. For any-hit queries these are three, since packets may begin at either end.
 //
 // Hits are those of single rays, bit for bit, whatever the options. In the registry the method is a traverser that is
 // bvh8/ordered in all that concerns single rays: what counts their steps or models warps or streams sees that one.
