@@ -29,6 +29,7 @@ inline constexpr int kMaxBuildDepth = 1024;  // inner nodes on a path: builders 
 inline constexpr float kMaxDuplication = 15.0f;
 inline constexpr float kMaxKdReferences = 1024.0f;
 inline constexpr float kMaxGridDensity = 1e6f;
+inline constexpr int kMaxReinsertionRounds = 1000;
 
 struct BuildOptions {
   int threads = 0;  // 0: as many as the machine has
@@ -46,6 +47,12 @@ struct BuildOptions {
   // share of the root's area, as long as references stay below (1 + max_duplication) times the triangles.
   float spatial_overlap = 1e-5f;
   float max_duplication = 0.5f;
+
+  // Binary BVHs, and what is collapsed from them, may be improved by reinsertion (build/reinsertion.h), in so many rounds at
+  // most; 0: not at all. After these seconds no round is begun; 0: no limit. With a limit, trees depend on how fast the machine
+  // is.
+  int reinsertion_rounds = 0;
+  float reinsertion_seconds = 0.0f;
 
   // Kd-trees. They need bins and max_leaf_size for nothing: every plane is tried, and leaves end where the cost model says so.
   // Planes that cut off empty space are made cheaper by this share of their cost.

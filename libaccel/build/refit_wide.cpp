@@ -108,7 +108,7 @@ class Refit {
         for (std::size_t i = begin; i < end; ++i) sums += move_node(order_[i]);
         return sums;
       });
-    new_.bounds = node_box(new_.root);
+    new_.bounds = bounds_of_children(new_.nodes[new_.root]);
   }
 
   // All nodes, level by level; where each level begins, and where the last ends.
@@ -130,7 +130,7 @@ class Refit {
     CostSums sums;
     for (; count < kBvh8Arity && node.child[count] != kNoNode; ++count) {
       const NodeRef child = node.child[count];
-      children[count] = {child, is_leaf(child) ? leaf_box(child) : node_box(child)};
+      children[count] = {child, is_leaf(child) ? leaf_box(child) : bounds_of_children(new_.nodes[child])};
       const double cost = is_leaf(child) ? double{options_.intersection_cost} * block_count(old_.blocks, child)
                                          : double{options_.traversal_cost};
       sums += {cost * half_area_in_double(node.bounds(count)), cost * half_area_in_double(children[count].box)};
@@ -143,12 +143,6 @@ class Refit {
     Aabb box;
     const std::uint32_t first = first_block(leaf), blocks = block_count(old_.blocks, leaf);
     for (std::uint32_t b = first; b < first + blocks; ++b) box.extend(boxes_[b]);
-    return box;
-  }
-  Aabb node_box(NodeRef ref) const {
-    Aabb box;
-    const Bvh8Node& node = new_.nodes[ref];
-    for (std::uint32_t c = 0; c < kBvh8Arity && node.child[c] != kNoNode; ++c) box.extend(node.bounds(c));
     return box;
   }
 

@@ -37,14 +37,7 @@ bool are_alike(const Ray& a, const Ray& b) {
 }
 
 // Empty if the root is no node.
-Aabb bounds_of(const Bvh8View& view) {
-  Aabb bounds;
-  if (is_leaf(view.root)) return bounds;
-  const Bvh8Node& root = view.nodes[view.root];
-  for (std::uint32_t c = 0; c < kBvh8Arity; ++c)
-    if (root.child[c] != kNoNode) bounds.extend(root.bounds(c));
-  return bounds;
-}
+Aabb bounds_of(const Bvh8View& view) { return is_leaf(view.root) ? Aabb() : bounds_of_children(view.nodes[view.root]); }
 
 }  // namespace
 

@@ -55,6 +55,14 @@ ACCEL_HD Aabb child_bounds(const Node& node, std::uint32_t c) {
           {node.plane(0, 1, c), node.plane(1, 1, c), node.plane(2, 1, c)}};
 }
 
+// The box around all children.
+template <class Node>
+ACCEL_HD Aabb bounds_of_children(const Node& node) {
+  Aabb bounds;
+  for (std::uint32_t c = 0; c < kBvh8Arity && node.child[c] != kNoNode; ++c) bounds.extend(node.bounds(c));
+  return bounds;
+}
+
 struct alignas(64) Bvh8Node {
   static constexpr const char* kKind = "bvh8";  // of the structure
   static constexpr bool kIsExact = true;        // boxes are as they were built, so that children's lie in their parents'
