@@ -2,12 +2,29 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <numeric>
 
 #include "libaccel/packet/frustums_simd.h"
 #include "libaccel/packet/serial_primitives.h"
 
 namespace accel {
+
+namespace {
+
+constexpr std::size_t kRunAsTheyCome = 64;  // rays that are placed together where nothing is sorted
+
+// body(first, end): rays of one face that follow each other, of n rays in runs of so many, of which run_at(i) comes i-th.
+template <class RunAt, class Body>
+void for_each_piece(const std::uint8_t* faces, std::size_t n, std::size_t run, const RunAt& run_at, const Body& body) {
+  for (std::size_t r = 0; r < (n + run - 1) / run; ++r)
+    for (std::size_t first = run_at(r) * run, end = std::min(first + run, n), next; first < end; first = next) {
+      for (next = first + 1; next < end && faces[next] == faces[first];) ++next;
+      body(first, next);
+    }
+}
+
+}  // namespace
 
 void BlockOrder::begin(std::span<const Ray> rays) {
   rays_ = rays;
@@ -16,36 +33,44 @@ void BlockOrder::begin(std::span<const Ray> rays) {
 }
 
 void BlockOrder::sort(std::uint32_t run) {
-  ids_.resize(rays_.size());
-  if (run == 0)
-    std::iota(ids_.begin(), ids_.end(), 0u);
-  else
-    sort_runs(run);
-  sort_by_face();
+  if (run == 0) return place_runs(kRunAsTheyCome, [](std::size_t r) { return r; });
+  sort_runs(run);
+  place_runs(run, [this](std::size_t r) { return runs_[r]; });
 }
 
+// By the highest bits in which their values differ: more make no better packets, and each eight are a pass over the runs.
 void BlockOrder::sort_runs(std::uint32_t run) {
   const std::size_t n = rays_.size(), count = (n + run - 1) / run;
-  values_.resize(count), runs_.resize(count);
-  for (std::size_t r = 0; r < count; ++r) values_[r] = hash_(rays_[std::min(r * run + run / 2, n - 1)]);
+  values_.resize(count), keys_.resize(count), runs_.resize(count);
+  std::uint64_t differ = 0;
+  for (std::size_t r = 0; r < count; ++r) {
+    values_[r] = hash_(rays_[std::min(r * run + run / 2, n - 1)]);
+    differ |= values_[r] ^ values_[0];
+  }
+  const int shift = std::max(0, static_cast<int>(std::bit_width(differ)) - kKeyBits);
+  for (std::size_t r = 0; r < count; ++r) keys_[r] = static_cast<std::uint32_t>(values_[r] >> shift) & ((1u << kKeyBits) - 1);
   std::iota(runs_.begin(), runs_.end(), 0u);
-  SerialPrimitives::sort_pairs(values_.data(), runs_.data(), count);
-  auto id = ids_.begin();
-  for (const std::size_t r : runs_)
-    for (std::size_t i = r * run, end = std::min(i + run, n); i < end; ++i) *id++ = static_cast<std::uint32_t>(i);
+  SerialPrimitives::sort_pairs(keys_.data(), runs_.data(), count);
 }
 
-// Keeps the order among rays of one face.
-void BlockOrder::sort_by_face() {
-  std::array<std::uint32_t, kNoFace + 1> next{};
-  for (const std::uint8_t face : faces_by_ray_) ++next[face];
-  std::exclusive_scan(next.begin(), next.end(), next.begin(), 0u);
-  ids_before_ = ids_, faces_.resize(ids_.size());
-  for (const std::uint32_t id : ids_before_) {
-    const std::uint8_t face = faces_by_ray_[id];
-    const std::uint32_t at = next[face]++;
-    ids_[at] = id, faces_[at] = face;
-  }
+// Lists the rays by face, and those of a face in the order of runs, of which run_at(i) comes i-th. Most runs have one face, and
+// go there as a whole.
+template <class RunAt>
+void BlockOrder::place_runs(std::size_t run, const RunAt& run_at) {
+  const std::size_t n = rays_.size();
+  const std::uint8_t* const faces = faces_by_ray_.data();
+  std::array<std::uint32_t, kNoFace + 1> places{};
+  for_each_piece(
+      faces, n, run, [](std::size_t r) { return r; },
+      [&](std::size_t first, std::size_t end) { places[faces[first]] += static_cast<std::uint32_t>(end - first); });
+  std::exclusive_scan(places.begin(), places.end(), places.begin(), 0u);
+  ids_.resize(n), faces_.resize(n);
+  for_each_piece(faces, n, run, run_at, [&](std::size_t first, std::size_t end) {
+    std::uint32_t& place = places[faces[first]];
+    std::iota(ids_.data() + place, ids_.data() + place + (end - first), static_cast<std::uint32_t>(first));
+    std::fill_n(faces_.data() + place, end - first, faces[first]);
+    place += static_cast<std::uint32_t>(end - first);
+  });
 }
 
 void BlockOrder::keep(std::span<const std::pair<std::uint32_t, std::uint32_t>> places) {

@@ -3,7 +3,8 @@
 //
 // [GL10] sorts runs of rays with equal hash values as one. Here a run has a given number of rays, whatever their values, and is
 // sorted by the value of the ray in its middle: a picture's rows are cut into short pieces, and pieces below each other make a
-// packet, for a fraction of what it costs to hash and to sort rays. Runs of one ray are a complete sort.
+// packet, for a fraction of what it costs to hash and to sort rays. Of the values, the highest kKeyBits count in which those of
+// a block differ.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +21,8 @@ namespace accel {
 
 class BlockOrder {
  public:
+  static constexpr int kKeyBits = 24;
+
   BlockOrder(const Aabb& bounds, float cell_fraction) : hash_(Hash::make(bounds, cell_fraction)) {}
 
   // Fewer than 2^32 rays, which are read by later calls too.
@@ -37,13 +40,14 @@ class BlockOrder {
   using Hash = RayHash<std::uint64_t, kFineDirectionBits>;
 
   void sort_runs(std::uint32_t run);
-  void sort_by_face();
+  template <class RunAt>
+  void place_runs(std::size_t run, const RunAt& run_at);
 
   Hash hash_;
   std::span<const Ray> rays_;
   std::vector<std::uint8_t> faces_by_ray_, faces_;
-  std::vector<std::uint64_t> values_;  // of runs
-  std::vector<std::uint32_t> runs_, ids_, ids_before_;
+  std::vector<std::uint64_t> values_;  // of runs, as are keys_
+  std::vector<std::uint32_t> keys_, runs_, ids_;
 };
 
 }  // namespace accel

@@ -46,18 +46,29 @@ HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, bool from
     }
 }
 
-// Bvh8Ray::enters(), of the rays from lane i on and child c. kOneWay: all rays go the way of the octant.
+// A child's planes, in all lanes: the ones that rays of the octant meet first and last, and the lower and upper ones.
+struct ChildPlanes {
+  Floats near_plane[3], far_plane[3];
+
+  HWY_INLINE ChildPlanes(const Bvh8Node& node, std::uint32_t c, std::uint32_t octant) {
+    for (int a = 0; a < 3; ++a) {
+      const std::uint32_t side = octant >> a & 1u;
+      near_plane[a] = set(node.plane(a, side, c)), far_plane[a] = set(node.plane(a, side ^ 1u, c));
+    }
+  }
+};
+
+// Bvh8Ray::enters(), of the rays from lane i on. kOneWay: all rays go the way of the octant.
 template <bool kOneWay>
-HWY_INLINE Mask enter_child(const Packet& p, const PacketBoxes& boxes, std::uint32_t i, const Bvh8Node& node, std::uint32_t c) {
+HWY_INLINE Mask enter_child(const Packet& p, const PacketBoxes& boxes, std::uint32_t i, const ChildPlanes& child) {
   Floats nearer[3], farther[3];
   for (int a = 0; a < 3; ++a) {
     const Floats org = load(p.org[a] + i), inv = load(p.inv[a] + i);
-    const std::uint32_t side = boxes.octant >> a & 1u;
-    Floats near_plane = set(node.plane(a, side, c)), far_plane = set(node.plane(a, side ^ 1u, c));
+    Floats near_plane = child.near_plane[a], far_plane = child.far_plane[a];
     if constexpr (!kOneWay) {
-      const Floats lower = set(node.plane(a, 0, c)), upper = set(node.plane(a, 1, c));
-      const Mask backwards = hn::Lt(inv, set(0));
-      near_plane = hn::IfThenElse(backwards, upper, lower), far_plane = hn::IfThenElse(backwards, lower, upper);
+      const Mask backwards = hn::Lt(inv, set(0)), is_octant = (boxes.octant >> a & 1u) != 0 ? backwards : hn::Not(backwards);
+      near_plane = hn::IfThenElse(is_octant, child.near_plane[a], child.far_plane[a]);
+      far_plane = hn::IfThenElse(is_octant, child.far_plane[a], child.near_plane[a]);
     }
     nearer[a] = hn::Mul(hn::Sub(near_plane, org), inv);
     farther[a] = hn::Mul(hn::Sub(far_plane, org), load(boxes.inv_far[a] + i));
@@ -98,9 +109,10 @@ struct Postponed {
 template <bool kOneWay>
 HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, const PacketBoxes& boxes, Active& active,
                       GroupWork& work) {
+  const ChildPlanes child(node, to.child, boxes.octant);
   active.groups = 0;
   Active::for_each(to.groups, [&](std::uint32_t g) HWY_ATTR {
-    const Mask entered = enter_child<kOneWay>(p, boxes, g * width(), node, to.child);
+    const Mask entered = enter_child<kOneWay>(p, boxes, g * width(), child);
     hn::StoreMaskBits(kFloats, entered, active.rays[g]);
     const std::size_t rays = hn::CountTrue(kFloats, entered);
     active.groups |= static_cast<GroupBits>(rays != 0) << g;

@@ -86,7 +86,9 @@ void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<
 
 template <class Answer>
 std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan) {
-  const std::size_t size = std::clamp(rays.size() / kShareOfTrials, kLeastTried, kMostTried);
+  // The first trial decides; what confirms it may be short.
+  const std::size_t most = plan.trial_distance > 1 ? kLeastTried : kMostTried;
+  const std::size_t size = std::clamp(rays.size() / kShareOfTrials, kLeastTried, most);
   order_.begin(rays.first(std::min(rays.size(), kOrdered)));
   const double in_runs = make_packets(rays, kRun, kComparedSize), as_they_come = make_packets(rays, 0, kComparedSize);
   plan.run = in_runs * kCostOfRuns < as_they_come ? kRun : 0;

@@ -92,15 +92,15 @@ struct Projected {
   Floats z[3], edge[3];
 };
 
-// Watertight::locate(): t.
-HWY_INLINE Floats locate(const Packet& p, std::uint32_t i, const PackedTriangle& triangle, const Projected& projected,
-                         Floats b0, Floats u, Floats v) {
+// Watertight::locate(): t of the lanes of the mask.
+HWY_INLINE Floats locate(const Packet& p, std::uint32_t i, Mask mask, const PackedTriangle& triangle,
+                         const Projected& projected, Floats det) {
   Floats org[3], vertex[3];
   for (int a = 0; a < 3; ++a) org[a] = load(p.org[a] + i);
   nearest_vertex(triangle, org, vertex);
   double normal[3];
   find_normal(triangle, normal);
-  const Floats* const z = projected.z;
+  const Floats *const z = projected.z, *const e = projected.edge;
   const Floats nearest = least(least(z[0], z[1]), z[2]), farthest = most(most(z[0], z[1]), z[2]);
   const Floats rounding = set(kUnitRoundoff * 2);
   Located located;
@@ -110,10 +110,11 @@ HWY_INLINE Floats locate(const Packet& p, std::uint32_t i, const PackedTriangle&
   for (std::uint32_t part = 0; part < hn::Lanes(kFloats); part += static_cast<std::uint32_t>(hn::Lanes(kDoubles)))
     locate_part(p, i, normal, part, located);
 
-  const Mask within = hn::Gt(load(located.within), hn::Zero(kFloats));
-  if (HWY_LIKELY(hn::AllTrue(kFloats, within))) return load(located.t);
+  const Mask beyond = hn::AndNot(hn::Gt(load(located.within), hn::Zero(kFloats)), mask);
+  if (HWY_LIKELY(hn::AllFalse(kFloats, beyond))) return load(located.t);
+  const Floats b0 = hn::Div(e[0], det), u = hn::Div(e[1], det), v = hn::Div(e[2], det);
   const Floats depth = hn::Add(hn::Add(hn::Mul(b0, z[0]), hn::Mul(u, z[1])), hn::Mul(v, z[2]));
-  return hn::IfThenElse(within, load(located.t), hn::Div(depth, load(p.dir[p.kz] + i)));
+  return hn::IfThenElse(beyond, hn::Div(depth, load(p.dir[p.kz] + i)), load(located.t));
 }
 
 // Rays for which an edge function is zero, by the test of single rays. Returns how many have been answered.
@@ -166,8 +167,7 @@ HWY_INLINE std::uint32_t intersect_group(Packet& p, std::uint32_t i, Mask mask, 
   if (HWY_UNLIKELY(!hn::AllFalse(kFloats, on_edge))) answered = intersect_singly<kQuery>(p, i, on_edge, triangle);
 
   const Floats det = hn::Add(hn::Add(e[0], e[1]), e[2]);
-  const Floats b0 = hn::Div(e[0], det), u = hn::Div(e[1], det), v = hn::Div(e[2], det);
-  const Floats t = locate(p, i, triangle, projected, b0, u, v), best = load(p.t + i);
+  const Floats t = locate(p, i, inside, triangle, projected, det), best = load(p.t + i);
   const Words prim_id = hn::Load(kWords, p.prim_id + i), candidate = hn::Set(kWords, triangle.prim_id());
   const Mask is_lower = hn::RebindMask(kFloats, hn::Lt(candidate, prim_id));
   Mask accepted = hn::And(hn::AndNot(on_edge, inside), hn::Ge(t, load(p.t_min + i)));
@@ -176,8 +176,8 @@ HWY_INLINE std::uint32_t intersect_group(Packet& p, std::uint32_t i, Mask mask, 
   hn::Store(hn::IfThenElse(accepted, kQuery == Query::any ? set(-kInfinity) : t, best), kFloats, p.t + i);
   hn::Store(hn::IfThenElse(hn::RebindMask(kWords, accepted), candidate, prim_id), kWords, p.prim_id + i);
   if constexpr (kQuery == Query::closest) {
-    hn::Store(hn::IfThenElse(accepted, u, load(p.u + i)), kFloats, p.u + i);
-    hn::Store(hn::IfThenElse(accepted, v, load(p.v + i)), kFloats, p.v + i);
+    hn::Store(hn::IfThenElse(accepted, hn::Div(e[1], det), load(p.u + i)), kFloats, p.u + i);
+    hn::Store(hn::IfThenElse(accepted, hn::Div(e[2], det), load(p.v + i)), kFloats, p.v + i);
   }
   return answered + static_cast<std::uint32_t>(hn::CountTrue(kFloats, accepted));
 }

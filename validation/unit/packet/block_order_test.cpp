@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <vector>
 
@@ -62,10 +63,12 @@ TEST(BlockOrder, FacesThenRunsByTheHashValueOfTheirMiddle) {
     for (const std::uint32_t run : {1u, 8u, 13u}) {
       order.sort(run);
       expect_block_of(rays, order);
-      const auto key = [&](std::uint32_t id) {
-        const std::size_t middle = std::min<std::size_t>(id / run * run + run / 2, count - 1);
-        return std::pair(hash(rays[middle]), id);  // of runs with equal values, and within a run, the first one first
-      };
+      const auto value = [&](std::size_t id) { return hash(rays[std::min(id / run * run + run / 2, count - 1)]); };
+      std::uint64_t differ = 0;
+      for (std::size_t id = 0; id < count; ++id) differ |= value(id) ^ value(0);
+      const int unused = std::max(0, static_cast<int>(std::bit_width(differ)) - BlockOrder::kKeyBits);
+      // Of runs with equal keys, and within a run, the first one first.
+      const auto key = [&](std::uint32_t id) { return std::pair(value(id) >> unused, id); };
       expect_sorted(order, [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     }
   }
