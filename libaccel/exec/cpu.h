@@ -55,13 +55,15 @@ void trace_batch(const typename Traverser::View& view, std::span<const Ray> rays
     for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly(rays[i]), answers[i]);
     return;
   }
+  std::size_t rays_per_task = options.block_size;
+  if constexpr (requires { Batch::rays_per_task(rays, options); }) rays_per_task = Batch::rays_per_task(rays, options);
   for_each_block(
       rays.size(), settings.threads,
       [&](std::size_t begin, std::size_t end) {
         Batch batch(view, options, trace_singly);
         batch.trace(rays.subspan(begin, end - begin), answers.subspan(begin, end - begin));
       },
-      options.block_size);
+      rays_per_task);
 }
 
 // hits[i] is what rays[i] meets first. Both spans have the same size.

@@ -96,6 +96,11 @@ class Bvh8StreamBatch {
   static constexpr bool kIsTuned = kHasBvh8Simd<Bvh8Node, PaddedSlabs, Test>;
   static constexpr std::size_t kFewestRays = 0;
 
+  // Larger blocks make better packets; of rays that make none, small ones keep all threads busy to the end.
+  static std::size_t rays_per_task(std::span<const Ray> rays, const Options& options) {
+    return are_alike(rays) ? options.block_size : typename ByTurns::Options{}.block_size;
+  }
+
   Bvh8StreamBatch(const Bvh8View& view, const Options& options, const TraceSingly& trace_singly)
       : view_(view), options_(options), trace_singly_(trace_singly) {}
 
@@ -104,10 +109,12 @@ class Bvh8StreamBatch {
     if (has_packets)
       Bvh8StreamTracer<Answer>(view_, options_, options_.plan).trace(rays, answers);
     else
-      Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>(view_, {}, trace_singly_).trace(rays, answers);
+      ByTurns(view_, {}, trace_singly_).trace(rays, answers);
   }
 
  private:
+  using ByTurns = Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>;
+
   const Bvh8View& view_;
   const Options& options_;
   const TraceSingly& trace_singly_;
