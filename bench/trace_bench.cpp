@@ -1,7 +1,8 @@
 // Rays per second of every method, beside Embree's on the same rays in the same run.
 //
-// A group is a scene and a ray kind; its rows are the methods, and Embree through single-ray calls in its fast mode, which
-// ratios refer to, and in its robust one. Closest or any hit, as renderers ask it of the kind.
+// A group is a scene and a ray kind; its rows are the methods, the recommended one by a call for each ray, too, and Embree
+// through single-ray calls in its fast mode, which ratios refer to, and in its robust one. Closest or any hit, as renderers ask
+// it of the kind.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -75,6 +76,18 @@ void add_row(const std::string& name, const std::shared_ptr<RayBatch>& batch, co
   benchmark::RegisterBenchmark(name.c_str(), row)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
+// By a call for each ray, in one thread.
+void add_single_rays(const std::string& name, const AnyAccel& accel, const std::shared_ptr<RayBatch>& batch) {
+  add_row(
+      name, batch,
+      [=](std::span<const Ray> rays, std::span<Hit> hits) {
+        for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = accel.closest(rays[i]);
+      },
+      [=](std::span<const Ray> rays, std::span<std::uint8_t> out) {
+        for (std::size_t i = 0; i < rays.size(); ++i) out[i] = accel.occluded(rays[i]) ? 1 : 0;
+      });
+}
+
 void add_group(const std::string& group, const std::shared_ptr<Subject>& subject, const std::shared_ptr<RayBatch>& batch,
                int threads) {
   using Rays = std::span<const Ray>;
@@ -85,6 +98,8 @@ void add_group(const std::string& group, const std::shared_ptr<Subject>& subject
         [=](Rays rays, std::span<std::uint8_t> out) {
           benchmark::DoNotOptimize(accel.occluded(rays, out, {.threads = threads}).ok());
         });
+  for (const AnyAccel& accel : subject->methods)
+    if (accel.method().name == best_method()) add_single_rays(group + "|" + accel.method().name + "-single", accel, batch);
   for (const auto& owned : subject->embree) {
     const validation::EmbreeWitness* embree = owned.get();
     const bool fast = embree->options().mode == validation::EmbreeMode::fast;

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Run time against error: every configuration of method, triangle test, box test and node precision on the plane, and Embree's modes.
+#
+#   bash bench/sweep.sh [FOLDER] [OUT] [THREADS]
+#
+# FOLDER and OUT are those of bench/scenes.sh (default out/sweep); THREADS is 2. Prints a table of all scenes. Takes a minute a scene.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+out=${2:-out/sweep}
+bash bench/scenes.sh "${1:-../shared/scenes}" "$out" --sweep --threads "${3:-2}" --embree robust,high >&2
+python3 bench/sweep_table.py "$out"/*.json
