@@ -17,6 +17,7 @@
 
 #include "libaccel/structure/bvh8_coded.h"
 #include "libaccel/trace/bvh8_ray.h"
+#include "libaccel/trace/indexed_block_simd-inl.h"
 #include "libaccel/trace/triangle_block_simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -163,16 +164,24 @@ HWY_INLINE std::uint32_t push_children(const Node& node, const RayBoxes<Slabs>& 
 #endif
 }
 
-// A leaf's triangles. Returns whether an any-hit query has its answer.
-template <class Test, Query kQuery>
-HWY_INLINE bool intersect_leaf(const TriangleBlock* blocks, NodeRef leaf, const Ray& ray, const typename Test::RayData& data,
+// The triangles of one block of a leaf. Returns whether an any-hit query has its answer.
+template <class Test, Query kQuery, class Node>
+HWY_INLINE bool test_block(const Bvh8ViewOf<Node>& view, const typename Node::Block& block, const Ray& ray,
+                           const typename Test::RayData& data, float t_min, Hit& hit) {
+  TriangleBlock room;
+  return BlockTest<Test>::template intersect<kQuery>(triangles_of(view, block, room), ray, data, t_min, hit);
+}
+
+// All of a leaf's.
+template <class Test, Query kQuery, class Node>
+HWY_INLINE bool intersect_leaf(const Bvh8ViewOf<Node>& view, NodeRef leaf, const Ray& ray, const typename Test::RayData& data,
                                float t_min, Hit& hit) {
-  const TriangleBlock* block = blocks + first_block(leaf);
+  const auto* block = view.blocks + first_block(leaf);
   std::uint32_t left = counted_blocks(leaf);
   const bool is_counted = left != 0;
   do {
     if (!is_counted && !block->has(0)) return false;
-    if (BlockTest<Test>::template intersect<kQuery>(*block, ray, data, t_min, hit)) return true;
+    if (test_block<Test, kQuery>(view, *block, ray, data, t_min, hit)) return true;
     ++block;
   } while (!is_counted || --left != 0);
   return false;
