@@ -144,7 +144,8 @@ TEST(CodedWideSbvh, Compact) { expect_builds<CompactWideSbvh, Bvh8CompactOrdered
 
 TEST(CodedWideSbvh, CompactTreesAreThoseOfBytes) {
   const TriangleMesh mesh = test::flat_grid(60);
-  const auto bytes = ByteWideSbvh::build(mesh, {}), compact = CompactWideSbvh::build(mesh, {});
+  const auto bytes = ByteWideSbvh::build(mesh, {});
+  const auto compact = CompactWideSbvh::build(mesh, {});
   const Bvh8Byte& a = bytes->structure;
   const Bvh8Compact& b = compact->structure;
   ASSERT_EQ(a.nodes.size_bytes(), b.nodes.size_bytes());
