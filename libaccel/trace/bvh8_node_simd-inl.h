@@ -77,7 +77,8 @@ HWY_INLINE Boxes load_planes(const CodedBvh8Node<Coding>& node, int axis, std::s
     value = hn::ConvertTo(kBoxes, code);
   else
     value = hn::Mul(hn::BitCast(kBoxes, hn::ShiftLeft<13>(code)), hn::Set(kBoxes, 0x1p112f));
-  return hn::Add(hn::Set(kBoxes, node.origin[axis]), hn::Mul(value, hn::Set(kBoxes, node.scale(axis))));
+  // The product is exact: one rounding, fused or not.
+  return hn::MulAdd(value, hn::Set(kBoxes, node.scale(axis)), hn::Set(kBoxes, node.origin[axis]));
 }
 
 // The box test of a ray, as it is kept in memory: numbers are spread over the lanes when a node is tested.
@@ -169,7 +170,8 @@ template <class Test, Query kQuery, class Node>
 HWY_INLINE bool test_block(const Bvh8ViewOf<Node>& view, const typename Node::Block& block, const Ray& ray,
                            const typename Test::RayData& data, float t_min, Hit& hit) {
   TriangleBlock room;
-  return BlockTest<Test>::template intersect<kQuery>(triangles_of(view, block, room), ray, data, t_min, hit);
+  fetch_triangles(view, block, room);
+  return BlockTest<Test>::template intersect<kQuery>(fetched(block, room), ray, data, t_min, hit);
 }
 
 // All of a leaf's.

@@ -39,18 +39,19 @@ HWY_INLINE void fetch_vertices(const IndexedBlock& block, int i, const Vec3* ver
 #endif
 }
 
-// Of a block that has them, itself. `room` is for the others.
+// Makes room for the triangles of a block that names their vertices; other blocks have them.
 template <class Node>
-HWY_INLINE const TriangleBlock& triangles_of(const Bvh8ViewOf<Node>& view, const typename Node::Block& block,
-                                             [[maybe_unused]] TriangleBlock& room) {
+HWY_INLINE void fetch_triangles([[maybe_unused]] const Bvh8ViewOf<Node>& view, const typename Node::Block& block,
+                                [[maybe_unused]] TriangleBlock& room) {
   if constexpr (Node::Block::kIsIndexed) {
     for (int i = 0; i < 3; ++i) fetch_vertices(block, i, view.vertices, room);
     for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) room.prim_id[lane] = block.prim_id[lane];
-    return room;
-  } else {
-    return block;
   }
 }
+
+// Where the triangles are then.
+HWY_INLINE const TriangleBlock& fetched(const TriangleBlock& block, const TriangleBlock&) { return block; }
+HWY_INLINE const TriangleBlock& fetched(const IndexedBlock&, const TriangleBlock& room) { return room; }
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
