@@ -25,8 +25,14 @@ std::uint64_t coding_bytes(const Bvh8Of<Node>& bvh) {
     return bvh.nodes.size_bytes();
 }
 
+// Without the vertex that is there to be read over, and the one that empty lanes name.
+std::size_t count_vertices(const Bvh8Compact& bvh) {
+  if (bvh.vertices.empty()) return 0;
+  return bvh.vertices.size() - 1 - (bvh.references < kBlockLanes * bvh.blocks.size() ? 1 : 0);
+}
+
 BuildNote note_on_vertices(const Bvh8Compact& bvh) {
-  return {"copies of vertices", "merged by position: " + std::to_string(bvh.vertices.size()) + " vertices for the " +
+  return {"copies of vertices", "merged by position: " + std::to_string(count_vertices(bvh)) + " vertices for the " +
                                     std::to_string(bvh.references) + " triangles in the leaves, in " +
                                     std::to_string(bvh.blocks.size()) + " blocks of " + std::to_string(sizeof(IndexedBlock)) +
                                     " bytes instead of " + std::to_string(sizeof(TriangleBlock))};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "libaccel/build/coded_wide_sbvh.h"
@@ -155,6 +156,7 @@ TEST(CodedWideSbvh, CompactTreesAreThoseOfBytes) {
   EXPECT_LT(b.size_bytes(), a.size_bytes() * 2 / 3);
   EXPECT_EQ(compact->report.notes.size(), bytes->report.notes.size() + 1);
   EXPECT_EQ(compact->report.notes.back().what, "copies of vertices");
+  EXPECT_EQ(compact->report.notes.back().why.find("merged by position: " + std::to_string(61 * 61) + " vertices"), 0u);
 }
 
 // Files may hold anything: frames that are not numbers and absent children with boxes are found.
