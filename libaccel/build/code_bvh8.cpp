@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "libaccel/build/index_blocks.h"
 #include "libaccel/build/parallel.h"
 
 namespace accel {
@@ -58,7 +60,12 @@ template <class Node>
 Bvh8Of<Node> code_bvh8(const Bvh8& bvh) {
   Bvh8Of<Node> result;
   static_cast<Bvh8Words&>(result) = bvh;
-  result.blocks = bvh.blocks;
+  if constexpr (Node::Block::kIsIndexed) {
+    IndexedBlocks indexed = index_blocks(bvh.blocks);
+    result.blocks = std::move(indexed.blocks), result.vertices = std::move(indexed.vertices);
+  } else {
+    result.blocks = bvh.blocks;
+  }
   result.nodes = Buffer<Node>(bvh.nodes.size());
   for_chunks(0, bvh.nodes.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) result.nodes[i] = coded<Node>(bvh.nodes[i]);
@@ -68,5 +75,6 @@ Bvh8Of<Node> code_bvh8(const Bvh8& bvh) {
 
 template Bvh8Byte code_bvh8<ByteBvh8Node>(const Bvh8&);
 template Bvh8Half code_bvh8<HalfBvh8Node>(const Bvh8&);
+template Bvh8Compact code_bvh8<CompactBvh8Node>(const Bvh8&);
 
 }  // namespace accel

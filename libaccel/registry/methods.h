@@ -39,34 +39,35 @@
 
 namespace accel {
 
-using Methods = TypeList<                     //
-    Method<ListBuilder, BruteForce>,          // brute/loop
-    Method<BinnedSah, Bvh2Stack>,             // bvh/stack
-    Method<Sbvh, Bvh2Stack>,                  // sbvh/stack
-    Method<Sbvh, Bvh2Hash>,                   // sbvh/hash
-    Method<Sbvh, Bvh2Uncle>,                  // sbvh/uncle
-    Method<Sbvh, Bvh2Sibling>,                // sbvh/sibling
-    Method<Sbvh, Bvh2Parent>,                 // sbvh/parent
-    Method<Sbvh, Bvh2RestartTrail>,           // sbvh/restart-trail
-    Method<Sbvh, Bvh2Skip>,                   // sbvh/skip
-    Method<Sbvh, Bvh2SkipOctant>,             // sbvh/skip-octant
-    Method<BinnedSah, Bvh2BreadthFirst>,      // bvh/breadth-first
-    Method<Sbvh, Bvh2BreadthFirst>,           // sbvh/breadth-first
-    Method<WideSbvh, Bvh8Ordered>,            // bvh8/ordered
-    Method<WideSbvh, Bvh8Stream>,             // bvh8/stream
-    Method<FastWideBvh, Bvh8Stream>,          // bvh8-fast/stream
-    Method<WideSbvh, Bvh8OrderedNaive>,       // bvh8/ordered-naive
-    Method<WideSbvh, Bvh8OrderedFused>,       // bvh8/ordered-fma
-    Method<HalfWideSbvh, Bvh8HalfOrdered>,    // bvh8-half/ordered
-    Method<ByteWideSbvh, Bvh8ByteOrdered>,    // bvh8-byte/ordered
-    Method<GridBuilder, GridDda>,             // grid/dda
-    Method<KdTreeSah, KdTreeStack>,           // kdtree/stack
-    Method<KdTreeSah, KdTreeRestart>,         // kdtree/restart
-    Method<KdTreeSah, KdTreeBacktrack>,       // kdtree/backtrack
-    Method<KdTreeSah, KdTreeShortStack>,      // kdtree/short-stack
-    Method<KdTreeSah, KdTreeRopes>,           // kdtree/ropes
-    Method<InstanceBuilder, InstancesStack>,  // instances/stack
-    Method<InstanceBuilder, InstancesHash>    // instances/hash
+using Methods = TypeList<                         //
+    Method<ListBuilder, BruteForce>,              // brute/loop
+    Method<BinnedSah, Bvh2Stack>,                 // bvh/stack
+    Method<Sbvh, Bvh2Stack>,                      // sbvh/stack
+    Method<Sbvh, Bvh2Hash>,                       // sbvh/hash
+    Method<Sbvh, Bvh2Uncle>,                      // sbvh/uncle
+    Method<Sbvh, Bvh2Sibling>,                    // sbvh/sibling
+    Method<Sbvh, Bvh2Parent>,                     // sbvh/parent
+    Method<Sbvh, Bvh2RestartTrail>,               // sbvh/restart-trail
+    Method<Sbvh, Bvh2Skip>,                       // sbvh/skip
+    Method<Sbvh, Bvh2SkipOctant>,                 // sbvh/skip-octant
+    Method<BinnedSah, Bvh2BreadthFirst>,          // bvh/breadth-first
+    Method<Sbvh, Bvh2BreadthFirst>,               // sbvh/breadth-first
+    Method<WideSbvh, Bvh8Ordered>,                // bvh8/ordered
+    Method<WideSbvh, Bvh8Stream>,                 // bvh8/stream
+    Method<FastWideBvh, Bvh8Stream>,              // bvh8-fast/stream
+    Method<WideSbvh, Bvh8OrderedNaive>,           // bvh8/ordered-naive
+    Method<WideSbvh, Bvh8OrderedFused>,           // bvh8/ordered-fma
+    Method<HalfWideSbvh, Bvh8HalfOrdered>,        // bvh8-half/ordered
+    Method<ByteWideSbvh, Bvh8ByteOrdered>,        // bvh8-byte/ordered
+    Method<CompactWideSbvh, Bvh8CompactOrdered>,  // bvh8-compact/ordered
+    Method<GridBuilder, GridDda>,                 // grid/dda
+    Method<KdTreeSah, KdTreeStack>,               // kdtree/stack
+    Method<KdTreeSah, KdTreeRestart>,             // kdtree/restart
+    Method<KdTreeSah, KdTreeBacktrack>,           // kdtree/backtrack
+    Method<KdTreeSah, KdTreeShortStack>,          // kdtree/short-stack
+    Method<KdTreeSah, KdTreeRopes>,               // kdtree/ropes
+    Method<InstanceBuilder, InstancesStack>,      // instances/stack
+    Method<InstanceBuilder, InstancesHash>        // instances/hash
     >;
 
 }  // namespace accel

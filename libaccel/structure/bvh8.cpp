@@ -10,20 +10,34 @@ namespace accel {
 namespace {
 
 // Whether every coordinate is NaN.
-bool is_untestable(const TriangleBlock& triangles, std::uint32_t lane) {
+bool is_untestable(const PackedTriangle& triangle) {
   for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i)
-      if (const float x = triangles.vertex[a][i][lane]; x == x) return false;
+    for (const float x : triangle.axis[a].vertex)
+      if (x == x) return false;
   return true;
 }
 
-// How many triangles a block has, or an error where it is none: a gap, or a prim_id beyond the triangles.
-Result<std::uint32_t> triangles_of(const Buffer<TriangleBlock>& blocks, std::uint32_t block, std::uint64_t triangle_count) {
-  const TriangleBlock& triangles = blocks[block];
+// Whether the vertices that a lane names can be read: 16 bytes of each.
+template <class Node>
+bool has_vertices(const Bvh8Of<Node>& bvh, const typename Node::Block& triangles, std::uint32_t lane) {
+  if constexpr (Node::Block::kIsIndexed)
+    for (const auto& vertex : triangles.vertex)
+      if (std::uint64_t{vertex[lane]} + 1 >= bvh.vertices.size()) return false;
+  return true;
+}
+
+// How many triangles a block has, or an error where it is none: a gap, or a vertex or prim_id beyond those there are.
+template <class Node>
+Result<std::uint32_t> triangles_of(const Bvh8Of<Node>& bvh, std::uint32_t block, std::uint64_t triangle_count) {
+  const typename Node::Block& triangles = bvh.blocks[block];
   std::uint32_t count = 0;
   for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) {
+    if (!has_vertices(bvh, triangles, lane))
+      return Error{"block " + std::to_string(block) + " names a vertex that is not one of " +
+                   std::to_string(bvh.vertices.size()) + ", or the last"};
     if (!triangles.has(lane)) {
-      if (!is_untestable(triangles, lane)) return Error{"block " + std::to_string(block) + " has a triangle without a prim_id"};
+      if (!is_untestable(bvh.view().packed(triangles, lane)))
+        return Error{"block " + std::to_string(block) + " has a triangle without a prim_id"};
       continue;
     }
     if (lane != count) return Error{"block " + std::to_string(block) + " has a gap before a triangle"};
@@ -84,7 +98,7 @@ class Walk {
       if (block >= used_.size()) return Error{name + " reaches beyond the last of " + std::to_string(used_.size()) + " blocks"};
       if (used_[block]) return Error{"block " + std::to_string(block) + " belongs to more than one leaf"};
       used_[block] = true, ++blocks_;
-      const Result<std::uint32_t> triangles = triangles_of(bvh_.blocks, block, triangle_count_);
+      const Result<std::uint32_t> triangles = triangles_of(bvh_, block, triangle_count_);
       if (!triangles) return triangles.error();
       references_ += *triangles;
       const bool is_end = counted == 0 && i > kMostCounted && *triangles == 0;
@@ -138,13 +152,6 @@ class Walk {
 
 }  // namespace
 
-std::uint32_t block_count(const Buffer<TriangleBlock>& blocks, NodeRef leaf) {
-  std::uint32_t count = counted_blocks(leaf);
-  if (count == 0)
-    while (blocks[first_block(leaf) + count].has(0)) ++count;
-  return count;
-}
-
 template <class Node>
 Status validate(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count) {
   if (bvh.nodes.size() >= kLeafBit || bvh.blocks.size() > kMaxBlocks)
@@ -160,5 +167,6 @@ Status validate(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count) {
 template Status validate(const Bvh8&, std::uint64_t);
 template Status validate(const Bvh8Byte&, std::uint64_t);
 template Status validate(const Bvh8Half&, std::uint64_t);
+template Status validate(const Bvh8Compact&, std::uint64_t);
 
 }  // namespace accel

@@ -11,7 +11,8 @@
 // Places without a child have an inverted box, which no ray enters, and come after all others.
 //
 // Node layouts. A structure has nodes of one layout: planes in single precision (Bvh8Node), or in few bits relative to the node
-// (structure/bvh8_coded.h). What a layout has is what Bvh8Node has: plane(), is_absent(), child, order, and the constants.
+// (structure/bvh8_coded.h). What a layout has is what Bvh8Node has: plane(), is_absent(), child, order, the constants, and the
+// kind of the leaves' blocks: TriangleBlock, or IndexedBlock (structure/indexed_block.h), which vertices come with.
 //
 // Invariants: every inner node but the root is the child of exactly one node; every block belongs to exactly one leaf, and
 // leaves follow each other without gaps; depth is the largest number of inner nodes on a path; each octant's order is a
@@ -27,6 +28,7 @@
 
 #include "libaccel/core/aabb.h"
 #include "libaccel/structure/arrays.h"
+#include "libaccel/structure/indexed_block.h"
 #include "libaccel/structure/node_hash.h"
 #include "libaccel/structure/triangle_block.h"
 
@@ -64,6 +66,7 @@ ACCEL_HD Aabb bounds_of_children(const Node& node) {
 }
 
 struct alignas(64) Bvh8Node {
+  using Block = TriangleBlock;
   static constexpr const char* kKind = "bvh8";  // of the structure
   static constexpr bool kIsExact = true;        // boxes are as they were built, so that children's lie in their parents'
   static constexpr bool kAbsentAreFar = true;   // boxes of absent children are infinite: no need to look whether there is one
@@ -92,10 +95,20 @@ static_assert(sizeof(Bvh8Node) == 256 && std::is_trivially_copyable_v<Bvh8Node>)
 
 template <class Node>
 struct Bvh8ViewOf {
+  using Block = typename Node::Block;
+
   const Node* nodes = nullptr;
-  const TriangleBlock* blocks = nullptr;
+  const Block* blocks = nullptr;
   NodeRef root = kNoNode;  // kNoNode: an empty scene
   std::uint32_t depth = 0;
+  const Vec3* vertices = nullptr;  // of indexed blocks
+
+  ACCEL_HD PackedTriangle packed(const Block& block, std::uint32_t lane) const {
+    if constexpr (Block::kIsIndexed)
+      return block.packed(lane, vertices);
+    else
+      return block.packed(lane);
+  }
 };
 
 // What of a Bvh8 is no array.
@@ -112,26 +125,35 @@ template <class NodeType>
 struct Bvh8Of : Bvh8Words {
   static constexpr const char* kName = NodeType::kKind;
   using Node = NodeType;
+  using Block = typename Node::Block;
   using View = Bvh8ViewOf<Node>;
   using Words = Bvh8Words;
 
   Buffer<Node> nodes;
-  Buffer<TriangleBlock> blocks;
+  Buffer<Block> blocks;
+  Buffer<Vec3> vertices;  // of indexed blocks; others have none
 
   template <class Self, class Visit>
   static void for_each_array(Self& self, Visit&& visit) {
     visit("nodes", self.nodes);
     visit("blocks", self.blocks);
+    if constexpr (Block::kIsIndexed) visit("vertices", self.vertices);
   }
   std::size_t size_bytes() const { return bytes_of_arrays(*this); }
-  View view() const { return {nodes.data(), blocks.data(), root, depth}; }
+  View view() const { return {nodes.data(), blocks.data(), root, depth, vertices.data()}; }
 };
 
 using Bvh8 = Bvh8Of<Bvh8Node>;
 using Bvh8View = Bvh8::View;
 
 // The blocks of a leaf of a valid tree.
-std::uint32_t block_count(const Buffer<TriangleBlock>& blocks, NodeRef leaf);
+template <class Block>
+std::uint32_t block_count(const Buffer<Block>& blocks, NodeRef leaf) {
+  std::uint32_t count = counted_blocks(leaf);
+  if (count == 0)
+    while (blocks[first_block(leaf) + count].has(0)) ++count;
+  return count;
+}
 
 // Proves every invariant that traversal relies on, whatever the bytes are.
 template <class Node>

@@ -54,6 +54,7 @@ struct HalfCoding {
 
 template <class CodingType>
 struct alignas(64) CodedBvh8Node {
+  using Block = TriangleBlock;
   using Coding = CodingType;
   using Code = typename Coding::Code;
   static constexpr const char* kKind = Coding::kKind;
@@ -85,9 +86,16 @@ struct alignas(64) CodedBvh8Node {
 
 using ByteBvh8Node = CodedBvh8Node<ByteCoding>;
 using HalfBvh8Node = CodedBvh8Node<HalfCoding>;
-static_assert(sizeof(ByteBvh8Node) == 128 && sizeof(HalfBvh8Node) == 192);
+
+// Of the layout with the least memory: nodes of bytes, above leaves that name vertices.
+struct CompactBvh8Node : ByteBvh8Node {
+  using Block = IndexedBlock;
+  static constexpr const char* kKind = "bvh8-compact";
+};
+static_assert(sizeof(ByteBvh8Node) == 128 && sizeof(HalfBvh8Node) == 192 && sizeof(CompactBvh8Node) == 128);
 
 using Bvh8Byte = Bvh8Of<ByteBvh8Node>;
 using Bvh8Half = Bvh8Of<HalfBvh8Node>;
+using Bvh8Compact = Bvh8Of<CompactBvh8Node>;
 
 }  // namespace accel

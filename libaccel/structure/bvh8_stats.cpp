@@ -9,7 +9,8 @@
 namespace accel {
 namespace {
 
-std::uint32_t count_triangles(const Buffer<TriangleBlock>& all, NodeRef leaf) {
+template <class Block>
+std::uint32_t count_triangles(const Buffer<Block>& all, NodeRef leaf) {
   std::uint32_t size = 0;
   const std::uint32_t first = first_block(leaf), blocks = block_count(all, leaf);
   for (std::uint32_t b = first; b < first + blocks; ++b)
@@ -17,10 +18,11 @@ std::uint32_t count_triangles(const Buffer<TriangleBlock>& all, NodeRef leaf) {
   return size;
 }
 
-std::uint64_t count_distinct_triangles(const Buffer<TriangleBlock>& blocks) {
+template <class Block>
+std::uint64_t count_distinct_triangles(const Buffer<Block>& blocks) {
   std::vector<bool> seen;
   std::uint64_t count = 0;
-  for (const TriangleBlock& block : blocks)
+  for (const Block& block : blocks)
     for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane)
       count += is_first(seen, block.prim_id[lane]) ? 1 : 0;
   return count;
@@ -77,5 +79,6 @@ Bvh8Stats bvh8_stats(const Bvh8Of<Node>& bvh, float traversal_cost, float inters
 template Bvh8Stats bvh8_stats(const Bvh8&, float, float);
 template Bvh8Stats bvh8_stats(const Bvh8Byte&, float, float);
 template Bvh8Stats bvh8_stats(const Bvh8Half&, float, float);
+template Bvh8Stats bvh8_stats(const Bvh8Compact&, float, float);
 
 }  // namespace accel

@@ -18,6 +18,8 @@ namespace accel {
 inline constexpr std::uint32_t kBlockLanes = 4;
 
 struct alignas(32) TriangleBlock {
+  static constexpr bool kIsIndexed = false;  // it has the coordinates, and names no vertices
+
   float vertex[3][3][kBlockLanes];
   std::uint32_t prim_id[kBlockLanes];
 

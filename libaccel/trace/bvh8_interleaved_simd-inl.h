@@ -60,14 +60,14 @@ struct alignas(64) Flight {
     return stack.node[size];
   }
 
-  // A block of a leaf; all blocks of one that has no count. What follows any-hit queries that have their answer is the end.
-  template <Query kQuery>
-  HWY_INLINE NodeRef intersect(const TriangleBlock* blocks) {
+  // The first block of a leaf, `triangles`; all blocks of one that has no count. What follows any-hit queries that have their
+  // answer is the end.
+  template <Query kQuery, class Node>
+  HWY_INLINE NodeRef intersect(const Bvh8ViewOf<Node>& view, const TriangleBlock& triangles) {
     const float t = hit.t;
-    const bool has_answer =
-        HWY_LIKELY(counted_blocks(ref) != 0)
-            ? BlockTest<Test>::template intersect<kQuery>(blocks[first_block(ref)], *ray, test, boxes.t_min, hit)
-            : intersect_leaf<Test, kQuery>(blocks, ref, *ray, test, boxes.t_min, hit);
+    const bool has_answer = HWY_LIKELY(counted_blocks(ref) != 0)
+                                ? BlockTest<Test>::template intersect<kQuery>(triangles, *ray, test, boxes.t_min, hit)
+                                : intersect_leaf<Test, kQuery>(view, ref, *ray, test, boxes.t_min, hit);
     if (kQuery == Query::any && has_answer) return kBottom;
     if (kQuery == Query::closest && hit.t < t) {
       limit = scaled_end<Slabs>(hit.t);
@@ -112,7 +112,7 @@ void trace_interleaved(const Bvh8ViewOf<Node>& view, const Ray* rays, std::size_
   std::uint32_t at_nodes = 0, at_blocks = 0, at_ends = 0;
   // Queues a ray for what comes next, and begins to fetch that. No branches: which step it is nobody can predict.
   const char* const memory[2] = {reinterpret_cast<const char*>(view.nodes), reinterpret_cast<const char*>(view.blocks)};
-  constexpr std::size_t kBytes[2] = {sizeof(Node), sizeof(TriangleBlock)};
+  constexpr std::size_t kBytes[2] = {sizeof(Node), sizeof(typename Node::Block)};
   const auto queue = [&](F& f, NodeRef ref) HWY_ATTR {
     f.ref = ref;
     const std::uint32_t leaf = ref >> 31, end = ref >> kBlockBits == kBottom >> kBlockBits ? 1u : 0u;
@@ -129,6 +129,7 @@ void trace_interleaved(const Bvh8ViewOf<Node>& view, const Ray* rays, std::size_
     f.stack.node[0] = kBottom, f.stack.t_near[0] = -std::numeric_limits<float>::infinity();
     at_end[at_ends++] = &f;
   }
+  TriangleBlock room[kRaysInTurn];
   for (std::size_t next = 0;;) {
     // Rays that have ended make room for the next ones.
     while (at_ends > 0) {
@@ -157,9 +158,12 @@ void trace_interleaved(const Bvh8ViewOf<Node>& view, const Ray* rays, std::size_
     if (2 * at_nodes > kRaysInTurn) continue;
     const std::uint32_t intersecting = at_blocks;
     at_blocks = 0;
+    // All that blocks name is fetched first: a test has branches that nobody predicts, and what follows one of them waits.
+    const auto block_of = [&](const F* f) HWY_ATTR -> const auto& { return view.blocks[first_block(f->ref)]; };
+    for (std::uint32_t i = 0; i < intersecting; ++i) fetch_triangles(view, block_of(at_block[i]), room[i]);
     for (std::uint32_t i = 0; i < intersecting; ++i) {
       F& f = *at_block[i];
-      queue(f, f.template intersect<kQuery>(view.blocks));
+      queue(f, f.template intersect<kQuery>(view, fetched(block_of(&f), room[i])));
     }
   }
 }

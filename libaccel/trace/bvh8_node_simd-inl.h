@@ -17,6 +17,7 @@
 
 #include "libaccel/structure/bvh8_coded.h"
 #include "libaccel/trace/bvh8_ray.h"
+#include "libaccel/trace/indexed_block_simd-inl.h"
 #include "libaccel/trace/triangle_block_simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -76,7 +77,8 @@ HWY_INLINE Boxes load_planes(const CodedBvh8Node<Coding>& node, int axis, std::s
     value = hn::ConvertTo(kBoxes, code);
   else
     value = hn::Mul(hn::BitCast(kBoxes, hn::ShiftLeft<13>(code)), hn::Set(kBoxes, 0x1p112f));
-  return hn::Add(hn::Set(kBoxes, node.origin[axis]), hn::Mul(value, hn::Set(kBoxes, node.scale(axis))));
+  // The product is exact: one rounding, fused or not.
+  return hn::MulAdd(value, hn::Set(kBoxes, node.scale(axis)), hn::Set(kBoxes, node.origin[axis]));
 }
 
 // The box test of a ray, as it is kept in memory: numbers are spread over the lanes when a node is tested.
@@ -163,16 +165,25 @@ HWY_INLINE std::uint32_t push_children(const Node& node, const RayBoxes<Slabs>& 
 #endif
 }
 
-// A leaf's triangles. Returns whether an any-hit query has its answer.
-template <class Test, Query kQuery>
-HWY_INLINE bool intersect_leaf(const TriangleBlock* blocks, NodeRef leaf, const Ray& ray, const typename Test::RayData& data,
+// The triangles of one block of a leaf. Returns whether an any-hit query has its answer.
+template <class Test, Query kQuery, class Node>
+HWY_INLINE bool test_block(const Bvh8ViewOf<Node>& view, const typename Node::Block& block, const Ray& ray,
+                           const typename Test::RayData& data, float t_min, Hit& hit) {
+  TriangleBlock room;
+  fetch_triangles(view, block, room);
+  return BlockTest<Test>::template intersect<kQuery>(fetched(block, room), ray, data, t_min, hit);
+}
+
+// All of a leaf's.
+template <class Test, Query kQuery, class Node>
+HWY_INLINE bool intersect_leaf(const Bvh8ViewOf<Node>& view, NodeRef leaf, const Ray& ray, const typename Test::RayData& data,
                                float t_min, Hit& hit) {
-  const TriangleBlock* block = blocks + first_block(leaf);
+  const auto* block = view.blocks + first_block(leaf);
   std::uint32_t left = counted_blocks(leaf);
   const bool is_counted = left != 0;
   do {
     if (!is_counted && !block->has(0)) return false;
-    if (BlockTest<Test>::template intersect<kQuery>(*block, ray, data, t_min, hit)) return true;
+    if (test_block<Test, kQuery>(view, *block, ray, data, t_min, hit)) return true;
     ++block;
   } while (!is_counted || --left != 0);
   return false;

@@ -102,11 +102,11 @@ struct Bvh8OrderedWithin {
 
   template <class Observer>
   ACCEL_HD static Phase intersect(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
-    const TriangleBlock& block = view.blocks[s.block];
-    if (s.lane == 0) observer.load(Memory::triangle, &block, sizeof block);
+    const auto& block = view.blocks[s.block];
+    tell_loads(view, block, s.lane, observer);
     observer.triangle_test();
     Hit candidate;
-    if (Test::intersect(block.packed(s.lane), ray, s.test, candidate)) {
+    if (Test::intersect(view.packed(block, s.lane), ray, s.test, candidate)) {
       candidate.prim_id = block.prim_id[s.lane];
       if (accept_hit(candidate, s.boxes.t_min, hit) && kQuery == Query::any) return Phase::done;
     }
@@ -126,6 +126,14 @@ struct Bvh8OrderedWithin {
   }
 
  private:
+  // Blocks are fetched whole, vertices one by one.
+  template <class Observer>
+  ACCEL_HD static void tell_loads(const View& view, const typename View::Block& block, std::uint32_t lane, Observer& observer) {
+    if (lane == 0) observer.load(Memory::triangle, &block, sizeof block);
+    if constexpr (View::Block::kIsIndexed)
+      for (const auto& vertex : block.vertex) observer.load(Memory::triangle, view.vertices + vertex[lane], sizeof(Vec3));
+  }
+
   template <class Observer>
   ACCEL_HD static Phase enter(State& state, NodeRef node, Observer& observer) {
     if (!is_leaf(node)) {
@@ -172,5 +180,9 @@ template <class Test, Query kQuery>
 struct Bvh8ByteOrdered : Bvh8OrderedWith<ByteBvh8Node, PaddedSlabs, Test, kQuery> {};
 template <class Test, Query kQuery>
 struct Bvh8HalfOrdered : Bvh8OrderedWith<HalfBvh8Node, PaddedSlabs, Test, kQuery> {};
+
+// And with leaves that name vertices.
+template <class Test, Query kQuery>
+struct Bvh8CompactOrdered : Bvh8OrderedWith<CompactBvh8Node, PaddedSlabs, Test, kQuery> {};
 
 }  // namespace accel

@@ -50,7 +50,7 @@ HWY_INLINE Hit trace_one(const Bvh8ViewOf<Node>& view, const Ray& ray, Postponed
         ref = nearest_child<kQuery>(node, boxes.octant, places);
         continue;
       }
-    } else if (intersect_leaf<Test, kQuery>(view.blocks, ref, ray, data, boxes.t_min, hit)) {
+    } else if (intersect_leaf<Test, kQuery>(view, ref, ray, data, boxes.t_min, hit)) {
       return hit;
     }
     do {

@@ -49,7 +49,8 @@ struct Bvh8Functions {
 };
 
 // The functions for the best target that the machine has. A source each for the other box tests (bvh8_simd_slabs.cpp), node
-// layouts (bvh8_simd_coded.cpp) and triangle tests (bvh8_simd_tests.cpp), each with all else as by default.
+// layouts (bvh8_simd_coded.cpp, bvh8_simd_compact.cpp) and triangle tests (bvh8_simd_tests.cpp), each with all else as by
+// default.
 template <class Node, class Slabs, class Test>
 struct Bvh8Simd;
 
@@ -72,6 +73,10 @@ struct Bvh8Simd<ByteBvh8Node, PaddedSlabs, Watertight> {
 template <>
 struct Bvh8Simd<HalfBvh8Node, PaddedSlabs, Watertight> {
   static Bvh8Functions<HalfBvh8Node> functions();
+};
+template <>
+struct Bvh8Simd<CompactBvh8Node, PaddedSlabs, Watertight> {
+  static Bvh8Functions<CompactBvh8Node> functions();
 };
 template <>
 struct Bvh8Simd<Bvh8Node, PaddedSlabs, MoellerTrumbore> {

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "libaccel/build/coded_wide_sbvh.h"
 #include "libaccel/build/wide_sbvh.h"
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/exec/drive.h"
@@ -158,6 +161,57 @@ TEST(ValidateBvh8, SurvivesRandomDamage) {
     NullObserver observer;
     const Hit hit = trace_ray<Bvh8Ordered<Watertight, Query::closest>>(bvh.view(), {{-3, 0.1f, 0.2f}, 0, {1, 0, 0}}, observer);
     EXPECT_TRUE(!hit.valid() || hit.prim_id < kTriangles);
+  }
+  EXPECT_GT(accepted, 100u);
+}
+
+// What validate() says about a compact tree that `corrupt` has changed.
+std::string compact_complaint(const std::function<void(Bvh8Compact&)>& corrupt) {
+  Bvh8Compact bvh = CompactWideSbvh::build(test::soup(kTriangles, 0.2f), {})->structure;
+  corrupt(bvh);
+  const Status status = validate(bvh, kTriangles);
+  return status ? "" : status.message();
+}
+
+TEST(ValidateBvh8Compact, Vertices) {
+  constexpr std::uint32_t kLast = kBlockLanes - 1;
+  const auto open_block = [](Bvh8Compact& b) -> IndexedBlock& {
+    return *std::find_if(b.blocks.begin(), b.blocks.end(), [](const IndexedBlock& block) { return !block.has(kLast); });
+  };
+  const auto size = [](const Bvh8Compact& b) { return static_cast<std::uint32_t>(b.vertices.size()); };
+  EXPECT_EQ(compact_complaint([](Bvh8Compact&) {}), "");
+  EXPECT_EQ(compact_complaint([&](Bvh8Compact& b) { b.blocks[3].vertex[1][0] = size(b) - 2; }), "") << "any that can be read";
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { b.blocks[3].vertex[1][0] = size(b) - 1; }), "") << "the last, which cannot";
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { b.blocks[3].vertex[2][0] = size(b); }), "");
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { b.blocks[3].vertex[0][0] = 0xffffffffu; }), "");
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { open_block(b).vertex[0][kLast] = 0xffffffffu; }), "") << "of no triangle";
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { open_block(b).vertex[0][kLast] = open_block(b).vertex[0][0]; }), "")
+      << "not NaN";
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { b.vertices[open_block(b).vertex[1][kLast]].y = 0; }), "");
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { open_block(b).prim_id[kLast] = kTriangles; }), "");
+  EXPECT_NE(compact_complaint([](Bvh8Compact& b) { b.vertices.truncate(b.vertices.size() - 1); }), "");
+  EXPECT_NE(compact_complaint([](Bvh8Compact& b) { b.vertices = {}; }), "");
+  EXPECT_TRUE(validate(Bvh8Compact{}, 0).ok());
+}
+
+TEST(ValidateBvh8Compact, SurvivesRandomDamage) {
+  const Bvh8Compact intact = CompactWideSbvh::build(test::soup(kTriangles, 0.2f), {})->structure;
+  CounterRng rng(8, 0);
+  std::size_t accepted = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    Bvh8Compact bvh = intact;
+    Bvh8Compact::for_each_array(bvh, [&](std::string_view, auto& array) {
+      array = std::decay_t<decltype(array)>::copy_of(array.span());
+      auto* const words = reinterpret_cast<std::uint32_t*>(array.data());
+      const auto size = static_cast<std::uint32_t>(array.size_bytes() / 4);
+      if (rng.next_below(2) == 0) words[rng.next_below(size)] ^= 1u << rng.next_below(32);
+    });
+    if (!validate(bvh, kTriangles)) continue;
+    ++accepted;
+    const std::vector<Ray> rays(9, {{-3, 0.1f, 0.2f}, 0, {1, 0, 0}});
+    std::vector<Hit> hits(rays.size());
+    trace_bvh8_simd<CompactBvh8Node, PaddedSlabs, Watertight>(bvh.view(), rays, hits);
+    EXPECT_TRUE(!hits[0].valid() || hits[0].prim_id < kTriangles);
   }
   EXPECT_GT(accepted, 100u);
 }

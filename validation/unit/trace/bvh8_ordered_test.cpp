@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "libaccel/build/code_bvh8.h"
 #include "libaccel/build/collapse_wide.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/build/wide_sbvh.h"
@@ -57,6 +58,20 @@ TEST(Bvh8Ordered, VisitsLessThanTheBinaryTree) {
   EXPECT_EQ(eight.box_tests, 8 * eight.node_steps);
   // Any-hit queries stop.
   EXPECT_LT(count_rays<Any>(wide.view(), rays, {}, 1).triangle_tests, eight.triangle_tests);
+}
+
+// What is fetched: blocks of 160 bytes, or of 64 bytes with 12 for each vertex of a triangle that is tested.
+TEST(Bvh8Ordered, BytesOfBlocksThatNameVertices) {
+  const Bvh8 bvh = WideSbvh::build(test::soup(3000, 0.1f), {})->structure;
+  const std::vector<Ray> rays = random_rays(1000);
+  using Bytes = Bvh8ByteOrdered<Watertight, Query::closest>;
+  using Compact = Bvh8CompactOrdered<Watertight, Query::closest>;
+  const Counters whole = count_rays<Bytes>(code_bvh8<ByteBvh8Node>(bvh).view(), rays, {}, 1);
+  const Counters named = count_rays<Compact>(code_bvh8<CompactBvh8Node>(bvh).view(), rays, {}, 1);
+  constexpr int kTriangle = static_cast<int>(Memory::triangle), kNode = static_cast<int>(Memory::node);
+  EXPECT_EQ(named.triangle_tests, whole.triangle_tests);
+  EXPECT_EQ(named.bytes[kNode], whole.bytes[kNode]);
+  EXPECT_EQ(named.bytes[kTriangle], whole.bytes[kTriangle] / 160 * 64 + 36 * named.triangle_tests);
 }
 
 // The chain of nodes that needs the most room: seven children postponed at each level.

@@ -123,6 +123,31 @@ TEST(Bvh8Simd, OverCodedBoxes) {
   expect_same_on_all_scenes<PaddedSlabs, Watertight>([](const Bvh8& bvh) { return code_bvh8<HalfBvh8Node>(bvh); });
 }
 
+TEST(Bvh8Simd, OverBlocksThatNameVertices) {
+  expect_same_on_all_scenes<PaddedSlabs, Watertight>([](const Bvh8& bvh) { return code_bvh8<CompactBvh8Node>(bvh); });
+}
+
+// The same boxes and triangles. The scalar twins agree, since each agrees with its own.
+TEST(Bvh8Simd, CompactTreesHaveTheHitsOfBytes) {
+  for (const auto& [name, mesh] : validation::stress_scenes()) {
+    const auto built = WideSbvh::build(mesh, {});
+    ASSERT_TRUE(built) << built.message();
+    const auto bytes = code_bvh8<ByteBvh8Node>(built->structure);
+    const auto compact = code_bvh8<CompactBvh8Node>(built->structure);
+    const std::vector<Ray> rays = rays_for(mesh);
+    on_every_target([&] {
+      std::vector<Hit> expected(rays.size()), hits(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size()), occluded(rays.size());
+      trace_in_batches<PaddedSlabs, Watertight, ByteBvh8Node, Hit>(bytes.view(), rays, expected);
+      trace_in_batches<PaddedSlabs, Watertight, CompactBvh8Node, Hit>(compact.view(), rays, hits);
+      trace_in_batches<PaddedSlabs, Watertight, ByteBvh8Node, std::uint8_t>(bytes.view(), rays, blocked);
+      trace_in_batches<PaddedSlabs, Watertight, CompactBvh8Node, std::uint8_t>(compact.view(), rays, occluded);
+      EXPECT_TRUE(std::equal(hits.begin(), hits.end(), expected.begin(), same)) << name << ' ' << bvh8_simd_target();
+      EXPECT_EQ(occluded, blocked) << name << ' ' << bvh8_simd_target();
+    });
+  }
+}
+
 TEST(Bvh8Simd, WithOtherTriangleTests) {
   expect_same_on_all_scenes<PaddedSlabs, MoellerTrumbore>(kExact);
   expect_same_on_all_scenes<PaddedSlabs, Woop>(kExact);
@@ -139,6 +164,9 @@ TEST(Bvh8Simd, OfTreesThatNoHeuristicWouldBuild) {
       const Bvh8 bvh = *collapse_wide(binary, {.max_leaf_size = static_cast<int>(leaf_size)});
       const auto found = expect_same_as_scalar<PaddedSlabs, Watertight>("", bvh, rays_for(mesh));
       EXPECT_GT(found, 100u);
+      const auto compact = code_bvh8<CompactBvh8Node>(bvh);
+      const auto found_in_compact = expect_same_as_scalar<PaddedSlabs, Watertight>("compact", compact, rays_for(mesh));
+      EXPECT_EQ(found_in_compact, found);
     }
 }
 
