@@ -41,6 +41,7 @@ class Rounds {
       const double before = cost(tree_.inner_area());
       if (Status done = round(); !done) return done;
       gain = 1 - cost(tree_.inner_area()) / before;
+      if (gain < kGainOfSameShare && share_ > 1) share_ /= 2;
     }
     return Done{};
   }
@@ -124,9 +125,8 @@ class Rounds {
 
   // The least prospect of this round's share.
   float least_of_share(std::vector<float> prospects) const {
-    const std::size_t share = kFirstShare >> std::min(rounds_, 30);
-    if (share <= 1) return -std::numeric_limits<float>::infinity();
-    const auto last = prospects.begin() + static_cast<std::ptrdiff_t>(prospects.size() / share);
+    if (share_ == 1) return -std::numeric_limits<float>::infinity();
+    const auto last = prospects.begin() + static_cast<std::ptrdiff_t>(prospects.size() / share_);
     std::nth_element(prospects.begin(), last, prospects.end(), std::greater<float>());
     return *last;
   }
@@ -136,6 +136,7 @@ class Rounds {
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const double root_area_;
   ReinsertionTree tree_;
+  std::size_t share_ = kFirstShare;  // one in so many subtrees
   int rounds_ = 0;
   std::size_t moves_ = 0;
   std::string why_;

@@ -10,8 +10,9 @@
 // gets no lock waits for the next round. Here moves follow each other, and each is made only if it lowers the cost of the tree
 // as it is by then. So the cost never rises, there are no locks, and no move is lost that still gains; a tenth of a round is
 // not parallel. The paper searches for every k-th subtree; here, for those that may gain most: by how much a subtree's parent
-// is larger than itself. The first round searches for one in kFirstShare, each round for twice as many as the one before: few
-// large subtrees make most of the gain, and small ones find their places when the large ones are in theirs.
+// is larger than itself. First for one in kFirstShare, then, whenever a round lowers the cost by less than kGainOfSameShare of
+// it, for twice as many: few large subtrees make most of the gain, and small ones find their places when the large ones are in
+// theirs.
 //
 // Of the SAH cost, what leaves contribute stays the same: leaves keep their triangles and boxes, after spatial splits too. The
 // gain is all in the areas of inner nodes, so where to put what does not depend on the options' costs.
@@ -28,7 +29,7 @@
 namespace accel {
 
 inline constexpr std::size_t kFirstShare = 16;
-inline constexpr double kLeastRoundGain = 1e-3;
+inline constexpr double kGainOfSameShare = 1e-2, kLeastRoundGain = 1e-3;
 
 // The rounds that the options ask for; nothing where that is none. The tree is valid, without annotations, and parents come
 // before their children. No path gets longer than the options allow or than what traversers with a stack accept, or than the
