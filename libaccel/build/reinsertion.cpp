@@ -111,16 +111,17 @@ class Rounds {
     });
 
     std::vector<Reinsertion> all;
-    std::size_t bytes = bytes_of(prospects);
+    std::size_t bytes = 2 * bytes_of(prospects);  // one to find the least in
     for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end()), bytes += bytes_of(part);
     bytes += bytes_of(all);
     context_.memory.add(bytes), context_.memory.subtract(bytes);
     return all;
   }
 
-  // What a subtree gains at its parent when it goes, less what it costs anywhere.
+  // What a subtree gains at its parent when it goes, less what it costs anywhere. Never NaN, which infinite areas would make.
   float prospect(ReinsertionTree::Slot slot) const {
-    return tree_.box_at(tree_.slot_of(slot / 2)).half_area() - tree_.box_at(slot).half_area();
+    const float gain = tree_.box_at(tree_.slot_of(slot / 2)).half_area() - tree_.box_at(slot).half_area();
+    return gain > 0 ? gain : 0;
   }
 
   // The least prospect of this round's share.
