@@ -26,6 +26,8 @@ std::map<std::string, std::string> option_texts(const BuildOptions& options) {
           {"max_depth", std::to_string(options.max_depth)},
           {"spatial_overlap", text(options.spatial_overlap)},
           {"max_duplication", text(options.max_duplication)},
+          {"reinsertion_rounds", std::to_string(options.reinsertion_rounds)},
+          {"reinsertion_seconds", text(options.reinsertion_seconds)},
           {"grid_resolution", resolution_text(options.grid_resolution)},
           {"grid_density", text(options.grid_density)},
           {"empty_bonus", text(options.empty_bonus)},

@@ -106,6 +106,25 @@ void add_grid_options(CLI::App& app, BuildOptions& options) {
       ->group("Build");
 }
 
+// Seconds alone ask for as many rounds as fit into them.
+void add_reinsertion_options(CLI::App& app, BuildOptions& options) {
+  CLI::Option* const rounds =
+      app.add_option("--reinsertion-rounds", options.reinsertion_rounds,
+                     "bvh, sbvh and bvh8: rounds that move subtrees to\nwhere they cost least; 0: none");
+  rounds->check(whole_number(0, kMaxReinsertionRounds))->capture_default_str()->type_name("N")->group("Build");
+  const auto seconds = [&options, rounds](const float& value) {
+    options.reinsertion_seconds = value;
+    if (value > 0 && rounds->count() == 0) options.reinsertion_rounds = kMaxReinsertionRounds;
+  };
+  app.add_option_function<float>(
+         "--reinsertion-seconds", seconds,
+         "no round begins after these seconds; without\n--reinsertion-rounds, as many as fit; 0: no limit")
+      ->check(real_number(0, 1e6))
+      ->default_str("0")
+      ->type_name("X")
+      ->group("Build");
+}
+
 }  // namespace
 
 CLI::Validator real_number(double least, double most) {
@@ -165,6 +184,7 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
       real_number(0, 1), "X");
   add("--max-duplication", options.max_duplication, "sbvh: extra references that spatial splits may make,\nper triangle",
       real_number(0, kMaxDuplication), "X");
+  add_reinsertion_options(app, options);
   add("--empty-bonus", options.empty_bonus, "kd-trees: share by which planes that cut off\nempty space are cheaper",
       real_number(0, 0.99), "X");
   add("--max-references", options.max_references, "kd-trees and grids: most references in the leaves,\nper triangle",

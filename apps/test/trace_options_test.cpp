@@ -62,9 +62,29 @@ TEST(TraceOptions, NumbersHaveTheirRanges) {
   expect_refused({"--max-leaf-size", "0"}, "--max-leaf-size");
   expect_refused({"--bins", "65"}, "--bins");
   expect_refused({"--max-duplication", "16"}, "--max-duplication");
+  expect_refused({"--reinsertion-rounds", "1001"}, "from 0 to 1,000");
+  expect_refused({"--reinsertion-seconds", "-1"}, "--reinsertion-seconds");
+  expect_refused({"--reinsertion-seconds", "nan"}, "--reinsertion-seconds");
   expect_refused({"--traversal-cost", "nan"}, "--traversal-cost");
   expect_refused({"--traversal-cost", "inf"}, "--traversal-cost");
   expect_refused({"--width", "65536", "--height", "65536", "--spp", "1000"}, "--spp");
+}
+
+// In either order.
+TEST(TraceOptions, SecondsOfReinsertionAloneAskForAllRounds) {
+  const auto none = parse({"builtin:cornell"}), no_limit = parse({"--reinsertion-seconds", "0"}),
+             alone = parse({"--reinsertion-seconds", "0.5"}),
+             after = parse({"--reinsertion-rounds", "2", "--reinsertion-seconds", "0.5"}),
+             before = parse({"--reinsertion-seconds", "0.5", "--reinsertion-rounds", "2"});
+  ASSERT_TRUE(none && no_limit && alone && after && before);
+  EXPECT_EQ(none->build.reinsertion_rounds, BuildOptions{}.reinsertion_rounds);
+  EXPECT_EQ(no_limit->build.reinsertion_rounds, BuildOptions{}.reinsertion_rounds);
+  EXPECT_EQ(alone->build.reinsertion_rounds, kMaxReinsertionRounds);
+  EXPECT_EQ(alone->build.reinsertion_seconds, 0.5f);
+  for (const auto* both : {&after, &before}) {
+    EXPECT_EQ((*both)->build.reinsertion_rounds, 2);
+    EXPECT_EQ((*both)->build.reinsertion_seconds, 0.5f);
+  }
 }
 
 }  // namespace

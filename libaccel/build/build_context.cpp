@@ -1,5 +1,7 @@
 #include "libaccel/build/build_context.h"
 
+#include <limits>
+
 #include "libaccel/structure/grid.h"
 
 namespace accel {
@@ -54,6 +56,11 @@ Status validate(const BuildOptions& options) {
   if (!(options.spatial_overlap >= 0.0f)) return Error{"build option spatial_overlap must be 0 or more"};
   if (!(options.max_duplication >= 0.0f && options.max_duplication <= kMaxDuplication))
     return Error{"build option max_duplication must lie in [0, " + std::to_string(static_cast<int>(kMaxDuplication)) + "]"};
+  if (options.reinsertion_rounds < 0 || options.reinsertion_rounds > kMaxReinsertionRounds)
+    return Error{"build option reinsertion_rounds is " + std::to_string(options.reinsertion_rounds) + "; it must lie in [0, " +
+                 std::to_string(kMaxReinsertionRounds) + "]"};
+  if (!(options.reinsertion_seconds >= 0.0f && options.reinsertion_seconds <= std::numeric_limits<float>::max()))
+    return Error{"build option reinsertion_seconds must be a number of seconds, 0 or more"};
   if (!(options.empty_bonus >= 0.0f && options.empty_bonus < 1.0f))
     return Error{"build option empty_bonus must be 0 or more, and less than 1"};
   if (!(options.max_references >= 1.0f && options.max_references <= kMaxKdReferences))

@@ -101,6 +101,7 @@ Result<Bvh2> emit_bvh2(BuildContext& context, std::unique_ptr<Subtree> tree, Ref
   bvh.root = emit_upper(*tree, next_place, next_node, bvh.nodes);
   tbb::parallel_for(std::size_t{0}, layout.placements.size(),
                     [&](std::size_t i) { emit_treelet(context, layout.placements[i], references, bvh); });
+  for (const Placement& place : layout.placements) context.memory.subtract(place.treelet->size_bytes());
   return bvh;
 }
 

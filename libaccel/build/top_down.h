@@ -18,6 +18,7 @@
 
 #include "libaccel/build/emit_bvh2.h"
 #include "libaccel/build/references.h"
+#include "libaccel/build/reinsertion.h"
 
 namespace accel {
 
@@ -111,7 +112,8 @@ class TopDownBuilder {
   std::atomic<int> depth_{0};
 };
 
-// The whole build after make_references(): splits all references, the room behind them included, and emits the structure.
+// The whole build after make_references(): splits all references, the room behind them included, emits the structure, and
+// improves it as the options say. The references are given up.
 template <class Splitter>
 Result<Bvh2> build_bvh2(BuildContext& context, const Splitter& splitter, References& references) {
   context.begin_phase("split");
@@ -125,6 +127,9 @@ Result<Bvh2> build_bvh2(BuildContext& context, const Splitter& splitter, Referen
   if (!bvh) return bvh;
   bvh->bounds = references.bounds.boxes.aabb();
   bvh->depth = static_cast<std::uint32_t>(builder.depth());
+  context.memory.subtract(references.storage.size_bytes());
+  references.storage = {};
+  if (const Status improved = reinsert(context, *bvh); !improved) return improved.error();
   return bvh;
 }
 

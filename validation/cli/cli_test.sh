@@ -245,6 +245,14 @@ test_build_options_change_the_structure() {
   expect 0 build builtin:soup:5000 --structure bvh --max-leaf-size 1 --json -; json out 'len(j["benchmarks"][0]["leaf_sizes"]) == 2'
   expect 0 build builtin:soup:5000 --structure sbvh --max-duplication 0 --json -
   json out 'j["benchmarks"][0]["references"] == j["benchmarks"][0]["triangles"]'
+  expect 0 build builtin:soup:5000 --structure bvh --reinsertion-rounds 2 --stats --explain --json moved.json
+  says out "reinsertion: optimized in 2 rounds: "
+  expect 0 build builtin:soup:5000 --structure bvh --json unmoved.json
+  json moved.json 'j["benchmarks"][0]["sah_cost"] < json.load(open("unmoved.json"))["benchmarks"][0]["sah_cost"]'
+  expect 0 build builtin:soup:5000 --structure bvh8 --reinsertion-seconds 1e-6 --explain -o timed.accel
+  says out "ended because time was up"
+  expect 0 trace timed.accel; says out "all right"
+  usage_error build builtin:soup:5000 --stats --reinsertion-rounds 1001; says err --reinsertion-rounds
   expect 0 build builtin:soup:5000 -o soup.accel
   usage_error trace soup.accel --bins 8; says err --bins
 }

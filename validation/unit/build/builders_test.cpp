@@ -150,6 +150,17 @@ TYPED_TEST(Builders, ReferencesStayWithinTheBudget) {
   }
 }
 
+// What was left out is no room for others.
+TYPED_TEST(Builders, TrianglesThatAreLeftOutAddNothingToTheBudget) {
+  TriangleMesh mesh = test::slivers(3000);
+  for (std::size_t i = 0; i < 1000; ++i) mesh.vertices[3 * i] = mesh.vertices[3 * i + 1];
+  for (const float duplication : {0.0f, 0.1f}) {
+    const Built<Bvh2> built = build<TypeParam>(mesh, {.max_duplication = duplication});
+    EXPECT_EQ(built.report.triangles, 2000u);
+    EXPECT_LE(static_cast<double>(built.report.references), (1.0 + duplication) * 2000);
+  }
+}
+
 TYPED_TEST(Builders, LeavesAreSortedByPrimId) {
   const Built<Bvh2> built = build<TypeParam>(test::soup(2000, 0.1f));
   std::uint32_t last = 0;
