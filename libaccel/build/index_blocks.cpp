@@ -1,7 +1,7 @@
 #include "libaccel/build/index_blocks.h"
 
 #include <bit>
-#include <limits>
+#include <cstdint>
 #include <numeric>
 #include <vector>
 

@@ -6,11 +6,9 @@
 
 #include <array>
 #include <cstring>
-#include <limits>
 #include <set>
 #include <vector>
 
-#include "libaccel/build/wide_sbvh.h"
 #include "validation/unit/build/test_meshes.h"
 
 namespace accel {

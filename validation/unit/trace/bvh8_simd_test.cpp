@@ -129,12 +129,12 @@ TEST(Bvh8Simd, OverBlocksThatNameVertices) {
 
 // The same boxes and triangles. The scalar twins agree, since each agrees with its own.
 TEST(Bvh8Simd, CompactTreesHaveTheHitsOfBytes) {
-  for (const auto& [name, mesh] : validation::stress_scenes()) {
-    const auto built = WideSbvh::build(mesh, {});
+  for (const validation::StressScene& scene : validation::stress_scenes()) {
+    const auto built = WideSbvh::build(scene.mesh, {});
     ASSERT_TRUE(built) << built.message();
     const auto bytes = code_bvh8<ByteBvh8Node>(built->structure);
     const auto compact = code_bvh8<CompactBvh8Node>(built->structure);
-    const std::vector<Ray> rays = rays_for(mesh);
+    const std::vector<Ray> rays = rays_for(scene.mesh);
     on_every_target([&] {
       std::vector<Hit> expected(rays.size()), hits(rays.size());
       std::vector<std::uint8_t> blocked(rays.size()), occluded(rays.size());
@@ -142,8 +142,8 @@ TEST(Bvh8Simd, CompactTreesHaveTheHitsOfBytes) {
       trace_in_batches<PaddedSlabs, Watertight, CompactBvh8Node, Hit>(compact.view(), rays, hits);
       trace_in_batches<PaddedSlabs, Watertight, ByteBvh8Node, std::uint8_t>(bytes.view(), rays, blocked);
       trace_in_batches<PaddedSlabs, Watertight, CompactBvh8Node, std::uint8_t>(compact.view(), rays, occluded);
-      EXPECT_TRUE(std::equal(hits.begin(), hits.end(), expected.begin(), same)) << name << ' ' << bvh8_simd_target();
-      EXPECT_EQ(occluded, blocked) << name << ' ' << bvh8_simd_target();
+      EXPECT_TRUE(std::equal(hits.begin(), hits.end(), expected.begin(), same)) << scene.name << ' ' << bvh8_simd_target();
+      EXPECT_EQ(occluded, blocked) << scene.name << ' ' << bvh8_simd_target();
     });
   }
 }
