@@ -69,7 +69,8 @@ void ReinsertionTree::measure_leaves(const Bvh2& bvh) {
     double area = 0;
     for (auto leaf = static_cast<std::uint32_t>(begin); leaf < end; ++leaf) {
       const std::uint32_t quad = quads_[leaf], terminator = terminator_of(bvh.leaves.data(), leaf_ref(quad));
-      area += half_area_in_double(box_at(slot_of(leaf_ref(leaf)))) * ((terminator - quad) / kQuadsPerTriangle);
+      const std::uint32_t triangles = (terminator - quad) / kQuadsPerTriangle;
+      area += half_area_in_double(box_at(slot_of(leaf_ref(leaf)))) * triangles;
     }
     return area;
   });
