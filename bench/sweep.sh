@@ -3,7 +3,7 @@
 #
 #   bash bench/sweep.sh [FOLDER] [OUT] [THREADS]
 #
-# FOLDER and OUT are those of bench/scenes.sh (default out/sweep); THREADS is 2. Prints a table of all scenes. Takes a minute a scene.
+# FOLDER and OUT are those of bench/scenes.sh (default out/sweep); THREADS is 2. Prints a table of all scenes. Takes one to five minutes a scene.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

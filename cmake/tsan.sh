@@ -33,7 +33,10 @@ if [[ ! -e $prefix/lib/cmake/TBB/TBBConfig.cmake ]]; then
   work="$root/build/tsan-tbb-work"
   mkdir -p "$work"
   if [[ -z ${TBB_SOURCE:-} ]]; then
-    fetch_source "$work" || { echo "skipped: ThreadSanitizer, because Debian's source of oneTBB cannot be fetched; TBB_SOURCE may name a folder of it" >&2; exit 77; }
+    if ! fetch_source "$work"; then
+      echo "skipped: ThreadSanitizer, because Debian's source of oneTBB cannot be fetched; TBB_SOURCE may name a folder of it" >&2
+      exit 77
+    fi
     TBB_SOURCE=$(echo "$work"/oneTBB-*)
   fi
   cmake -S "$TBB_SOURCE" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTBB_SANITIZE=thread -DTBB_TEST=OFF \

@@ -46,7 +46,7 @@ HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, bool from
     }
 }
 
-// A child's planes, in all lanes: the ones that rays of the octant meet first and last, and the lower and upper ones.
+// A child's planes, in all lanes: the ones that rays of the octant meet first, and last.
 struct ChildPlanes {
   Floats near_plane[3], far_plane[3];
 
