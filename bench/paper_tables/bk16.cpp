@@ -204,7 +204,8 @@ Status measure_tables(const AnyAccel& stack, const Settings& settings, SceneResu
 Result<SceneResult> measure(const SceneFigures& figures, const Settings& settings) {
   const auto scene = load(figures.scene, settings);
   if (!scene) return scene.error();
-  const auto stack = AnyAccel::build(scene->data.mesh, kMethods[kStack], {.threads = settings.threads});
+  const auto stack = AnyAccel::build(scene->data.mesh, kMethods[kStack],
+                                     {.threads = settings.threads, .spatial_overlap = 1e-5f, .reinsertion_rounds = 0});
   if (!stack) return stack.error();
   std::vector<AnyAccel> accels;
   for (std::size_t m = 0; m < kMethodCount; ++m) {

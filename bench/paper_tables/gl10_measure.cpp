@@ -31,7 +31,7 @@ Result<Tree> make_tree(const TriangleMesh& mesh, const std::string& builder, con
 
 // Section 4: leaves are nodes of ten triangles or less.
 Result<Tree> make_paper_tree(const TriangleMesh& mesh, int threads) {
-  return make_tree(mesh, "bvh", {.threads = threads, .traversal_cost = 1e6f, .max_leaf_size = 10});
+  return make_tree(mesh, "bvh", {.threads = threads, .traversal_cost = 1e6f, .max_leaf_size = 10, .reinsertion_rounds = 0});
 }
 
 // What all measurements of a scene have in common.

@@ -27,6 +27,7 @@ namespace {
 using test::build;
 
 constexpr int kManyRounds = 20;
+const BuildOptions kWithout{.reinsertion_rounds = 0};
 
 // A builder that others' checks take, with reinsertion.
 template <class Builder>
@@ -110,7 +111,7 @@ TYPED_TEST_SUITE(ReinsertionOf, Bvh2Builders);
 TYPED_TEST(ReinsertionOf, CostNeverRises) {
   for (const auto& [name, mesh] : hard_meshes()) {
     SCOPED_TRACE(name);
-    double last = cost_of(build<TypeParam>(mesh).structure);
+    double last = cost_of(build<TypeParam>(mesh, kWithout).structure);
     for (const int rounds : {1, 2, 3, 5, kManyRounds}) {
       const double cost = cost_of(build<TypeParam>(mesh, {.reinsertion_rounds = rounds}).structure);
       EXPECT_LE(cost, last * (1 + 1e-12)) << rounds << " rounds";
@@ -131,7 +132,7 @@ TYPED_TEST(ReinsertionOf, HitsAreThoseOfBruteForce) {
 TYPED_TEST(ReinsertionOf, LeavesKeepTheirBoxesAndTriangles) {
   for (const auto& [name, mesh] : hard_meshes()) {
     SCOPED_TRACE(name);
-    const Built<Bvh2> before = build<TypeParam>(mesh), after = build<Improved<TypeParam>>(mesh);
+    const Built<Bvh2> before = build<TypeParam>(mesh, kWithout), after = build<Improved<TypeParam>>(mesh);
     EXPECT_TRUE(contents(before.structure) == contents(after.structure));
     EXPECT_EQ(before.structure.references, after.structure.references);
     test::expect_true_report(mesh, after, bvh2_stats(after.structure, 1, 1));
@@ -155,7 +156,7 @@ TYPED_TEST(ReinsertionOf, DepthStaysWithinItsBound) {
 // The first is what the second must not do.
 TYPED_TEST(ReinsertionOf, AtItsBoundATreeGetsNoDeeper) {
   const TriangleMesh mesh = test::soup(3000, 0.5f);
-  const auto depth = static_cast<int>(build<TypeParam>(mesh).structure.depth);
+  const auto depth = static_cast<int>(build<TypeParam>(mesh, kWithout).structure.depth);
   EXPECT_GT(static_cast<int>(build<Improved<TypeParam>>(mesh).structure.depth), depth);
   const Built<Bvh2> bound = build<Improved<TypeParam>>(mesh, {.max_depth = depth});
   EXPECT_EQ(static_cast<int>(bound.structure.depth), depth);
@@ -164,7 +165,7 @@ TYPED_TEST(ReinsertionOf, AtItsBoundATreeGetsNoDeeper) {
 
 TYPED_TEST(ReinsertionOf, TheReportTellsCostsRoundsAndMoves) {
   const TriangleMesh mesh = test::soup(3000, 0.5f);
-  const Built<Bvh2> before = build<TypeParam>(mesh);
+  const Built<Bvh2> before = build<TypeParam>(mesh, kWithout);
   EXPECT_EQ(told_by(before.report).rounds, -1);
   for (const int rounds : {1, 2, 3}) {
     const Built<Bvh2> after = build<TypeParam>(mesh, {.reinsertion_rounds = rounds});
@@ -227,7 +228,7 @@ TEST(Reinsertion, NeighboursComeTogether) {
   std::vector<Triangle> triangles;
   for (const float x : {0.0f, 100.0f, 1.0f, 101.0f}) triangles.push_back({{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 1}});
   const TriangleMesh mesh = test::mesh_of(triangles);
-  const Bvh2 best = build<BinnedSah>(mesh, {.max_leaf_size = 1}).structure;
+  const Bvh2 best = build<BinnedSah>(mesh, {.max_leaf_size = 1, .reinsertion_rounds = 0}).structure;
   std::vector<test::BoxedLeaf> leaves = test::boxed_leaves(best);
   std::swap(leaves[1], leaves[2]);
   const auto halves = [](std::size_t begin, std::size_t end) { return begin + (end - begin) / 2; };
@@ -238,7 +239,7 @@ TEST(Reinsertion, NeighboursComeTogether) {
 
 TEST(Reinsertion, RepairsTreesInRandomOrder) {
   const TriangleMesh mesh = test::soup(5000, 0.05f);
-  const Bvh2 good = build<BinnedSah>(mesh).structure, bad = test::shuffled(good);
+  const Bvh2 good = build<BinnedSah>(mesh, kWithout).structure, bad = test::shuffled(good);
   EXPECT_GT(cost_of(bad), 4 * cost_of(good));
   EXPECT_LT(cost_of(improved(bad, mesh, {.reinsertion_rounds = kMaxReinsertionRounds}).first), 1.1 * cost_of(good));
 }
@@ -252,7 +253,7 @@ TEST(Reinsertion, TreesStayWithinStacks) {
     triangles.push_back({{0, 0, 0}, {s, 0, 0}, {0, s, s}});
   }
   const TriangleMesh mesh = test::mesh_of(triangles);
-  const Bvh2 bad = test::shuffled(build<BinnedSah>(mesh, {.max_leaf_size = 1}).structure);
+  const Bvh2 bad = test::shuffled(build<BinnedSah>(mesh, {.max_leaf_size = 1, .reinsertion_rounds = 0}).structure);
   const Bvh2 after = improved(bad, mesh, {.max_depth = kMaxBuildDepth, .reinsertion_rounds = kMaxReinsertionRounds}).first;
   EXPECT_LE(after.depth, static_cast<std::uint32_t>(kBvh2StackSize));
   EXPECT_GT(after.depth, 100u);
