@@ -12,9 +12,7 @@ namespace accel {
 
 namespace {
 
-constexpr double kCostOfRuns = 1.1;          // of sorting by them, as a factor on the widths of frustums
-constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by their frustums
-constexpr std::size_t kOrdered = 8192;       // rays that orders are compared on: some rows of a picture
+constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: some rows of a picture
 // Trials: places in a block where a packet is traced in each way, and how much of a block they may take.
 constexpr std::size_t kPlaces = 4, kShareOfTrials = 4;
 constexpr double kClearlyLess = 0.85;  // than the time of the way so far
@@ -72,8 +70,8 @@ void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer
 template <class Answer>
 void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<Answer> answers) {
   StreamPlan plan = plan_.load(std::memory_order_relaxed);
-  const bool is_trial = plan.blocks_to_trial == 0;
-  plan.blocks_to_trial -= is_trial ? 0 : 1;
+  const bool is_trial = plan.blocks_to_trial == 0 && rays.size() >= kOrdered;
+  plan.blocks_to_trial -= plan.blocks_to_trial > 0 ? 1 : 0;
   if (plan.way == Way::turns && !is_trial) {
     plan_.store(plan, std::memory_order_relaxed);
     return trace_by_turns(rays, answers);
@@ -97,7 +95,7 @@ void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<
 
 template <class Answer>
 std::uint8_t Bvh8StreamTracer<Answer>::better_run(std::span<const Ray> rays) {
-  const auto some = rays.first(std::min(rays.size(), kOrdered));
+  const auto some = rays.first(kOrdered);
   order_.begin(some);
   const double in_runs = make_packets(some, kRun, kComparedSize), as_they_come = make_packets(some, 0, kComparedSize);
   return in_runs * kCostOfRuns < as_they_come ? kRun : 0;
