@@ -79,11 +79,11 @@ void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<
   if (is_trial && plan.trial_distance == 1) plan.run = better_run(rays);
   order_.begin(rays);
   make_packets(rays, plan.run, options_.max_size);
-  const bool has_room = packets_.count() >= kShareOfTrials * kPlaces * kWays;
-  if (is_trial && has_room) try_ways(rays, answers, plan);
+  const std::size_t places = is_trial && packets_.count() >= kShareOfTrials * kPlaces * kWays ? kPlaces : 0;
+  if (places > 0) try_ways(rays, answers, plan);
   plan_.store(plan, std::memory_order_relaxed);
   std::size_t next = 0;
-  for (std::size_t place = 0; is_trial && has_room && place < kPlaces; ++place) {
+  for (std::size_t place = 0; place < places; ++place) {
     trace_packets(plan.way, next, first_of(place), rays, answers);
     next = first_of(place) + kWays;
   }
