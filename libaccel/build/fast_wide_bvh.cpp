@@ -33,11 +33,12 @@ TriangleBlock make_block(const TriangleMesh& mesh, const Reference* first, std::
 }
 
 Result<Bvh8> build_tree(BuildContext& context) {
-  References references = make_references(context, 0);
+  const References references = make_sparse_references(context);
   const std::size_t count = references.count;
   const SetBounds bounds = references.bounds;
   if (count == 0) return Bvh8{};
-  const Buffer<Reference> sorted = in_curve_order(context, references);
+  const CurveOrder order = curve_order(context, references);
+  const Buffer<Reference> sorted = in_order(references, order);
   const auto most = static_cast<std::uint32_t>(std::min<int>(context.options.max_leaf_size, kBlockLanes));
 
   ProgressMeter progress(context.options.progress, "merge", count);
