@@ -30,7 +30,7 @@ class Collapse {
     if (!list_levels(root)) return std::nullopt;
     WideNodes wide{Buffer<Bvh8Node>(parents_.size()), 0, depth_};
     for_chunks(0, parents_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) wide.nodes[i] = make_node(i);
+      for (std::size_t i = begin; i < end; ++i) make_node(i, wide.nodes[i]);
     });
     return wide;
   }
@@ -113,15 +113,15 @@ class Collapse {
     gather(clusters_[cluster].first, left, family), gather(clusters_[cluster].second, roots - left, family);
   }
 
-  Bvh8Node make_node(std::size_t i) const {
+  void make_node(std::size_t i, Bvh8Node& node) const {
     const Family& family = families_[i];
     NodeRef next = first_child_[i];
     WideChild children[kBvh8Arity];
     for (std::uint32_t c = 0; c < family.count; ++c) {
       const std::uint32_t cluster = family.child[c];
-      children[c] = {is_leaf_cluster(cluster) ? block_ref(cluster, 1) : next++, clusters_[cluster].bounds()};
+      children[c] = {is_leaf_cluster(cluster) ? block_ref(cluster, 1) : next++, clusters_[cluster].box()};
     }
-    return make_wide_node(children, family.count);
+    make_wide_node(children, family.count, node);
   }
 
   const Buffer<Cluster>& clusters_;

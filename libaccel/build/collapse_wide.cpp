@@ -127,9 +127,10 @@ class Collapse {
 
     WideChild children[kBvh8Arity];
     const std::size_t first_pending = pending_.size();
-    for (std::uint32_t c = 0; c < family.count; ++c) children[c] = {place(family.child[c], at.above + 1), family.child[c].box};
+    for (std::uint32_t c = 0; c < family.count; ++c)
+      children[c] = {place(family.child[c], at.above + 1), Box4::of(family.child[c].box)};
     std::reverse(pending_.begin() + static_cast<std::ptrdiff_t>(first_pending), pending_.end());  // the first comes next
-    nodes_[at.wide] = make_wide_node(children, family.count);
+    make_wide_node(children, family.count, nodes_[at.wide]);
   }
 
   // At most eight roots deep.

@@ -8,11 +8,11 @@
 #pragma once
 
 #include "libaccel/build/cluster_tree.h"
-#include "libaccel/build/references.h"
+#include "libaccel/build/curve_order.h"
 
 namespace accel {
 
 // One cluster for each leaf, in the order of the curve, with room for what merges them. At least one reference.
-ClusterTree cut_into_leaves(BuildContext& context, const Buffer<Reference>& sorted, const Box4& bounds, std::uint32_t most);
+ClusterTree cut_into_leaves(BuildContext& context, const References& references, const CurveOrder& order, std::uint32_t most);
 
 }  // namespace accel

@@ -16,12 +16,13 @@ namespace accel {
 namespace {
 
 // Triangles by prim_id, as other builders have them.
-TriangleBlock make_block(const TriangleMesh& mesh, const Reference* first, std::uint32_t count) {
+TriangleBlock make_block(const TriangleMesh& mesh, const CurveOrder& order, std::uint32_t first, std::uint32_t count) {
   std::uint32_t prim_ids[kBlockLanes];
   for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t id = order[first + i];
     std::uint32_t to = i;
-    for (; to > 0 && first[i].prim_id < prim_ids[to - 1]; --to) prim_ids[to] = prim_ids[to - 1];
-    prim_ids[to] = first[i].prim_id;
+    for (; to > 0 && id < prim_ids[to - 1]; --to) prim_ids[to] = prim_ids[to - 1];
+    prim_ids[to] = id;
   }
   TriangleBlock block;
   for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane)
@@ -38,11 +39,10 @@ Result<Bvh8> build_tree(BuildContext& context) {
   const SetBounds bounds = references.bounds;
   if (count == 0) return Bvh8{};
   const CurveOrder order = curve_order(context, references);
-  const Buffer<Reference> sorted = in_order(references, order);
   const auto most = static_cast<std::uint32_t>(std::min<int>(context.options.max_leaf_size, kBlockLanes));
 
   ProgressMeter progress(context.options.progress, "merge", count);
-  ClusterTree tree = cut_into_leaves(context, sorted, bounds.boxes, most);
+  ClusterTree tree = cut_into_leaves(context, references, order, most);
   progress.advance(count - tree.leaves);
   merge_clusters(context, tree, bounds.boxes, progress);
   if (progress.stopped()) return Error{std::string(kInterrupted)};
@@ -51,7 +51,7 @@ Result<Bvh8> build_tree(BuildContext& context) {
   std::optional<WideNodes> nodes = collapse_clusters(tree, context.options);
   std::vector<BlockRun> runs;
   if (!nodes) {
-    nodes = balanced_wide(sorted, context.options, runs);
+    nodes = balanced_wide(in_order(references, order), context.options, runs);
   } else {
     runs.resize(tree.leaves);
     for (std::size_t i = 0; i < tree.leaves; ++i) runs[i] = {tree.clusters[i].first, tree.clusters[i].second};
@@ -68,7 +68,7 @@ Result<Bvh8> build_tree(BuildContext& context) {
   context.begin_phase("blocks");
   for_chunks(0, runs.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
-      wide.blocks[b] = make_block(context.mesh, sorted.data() + runs[b].first, runs[b].count);
+      wide.blocks[b] = make_block(context.mesh, order, runs[b].first, runs[b].count);
   });
   context.report.references = count;
   return wide;
