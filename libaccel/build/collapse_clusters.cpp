@@ -51,12 +51,14 @@ class Collapse {
   void choose_of(std::size_t i) {
     const Cluster& cluster = clusters_[i];
     const std::uint32_t child[2] = {cluster.first, cluster.second};
-    float leaf_cost[2];
-    for (int c = 0; c < 2; ++c) leaf_cost[c] = is_leaf_cluster(child[c]) ? area(child[c]) * options_.intersection_cost : 0.0f;
-    const auto cost_of = [&](int c, int roots) {
-      return is_leaf_cluster(child[c]) ? leaf_cost[c] : forests(child[c]).cost(roots);
-    };
-    forests_[i - leaves_].choose(cost_of, area(static_cast<std::uint32_t>(i)) * options_.traversal_cost,
+    WideForests leaf[2];
+    const WideForests* of_child[2];
+    for (int c = 0; c < 2; ++c)
+      if (is_leaf_cluster(child[c]))
+        leaf[c] = WideForests(area(child[c]) * options_.intersection_cost), of_child[c] = &leaf[c];
+      else
+        of_child[c] = &forests(child[c]);
+    forests_[i - leaves_].choose(*of_child[0], *of_child[1], area(static_cast<std::uint32_t>(i)) * options_.traversal_cost,
                                  std::numeric_limits<float>::infinity());
   }
 

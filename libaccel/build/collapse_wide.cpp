@@ -57,16 +57,14 @@ class Collapse {
       Aabb box = node.bounds(0);
       box.extend(node.bounds(1));
       const std::uint32_t size[2] = {size_of(node.child[0]), size_of(node.child[1])};
-      float leaf_costs[2];
-      for (int c = 0; c < 2; ++c)
-        leaf_costs[c] = leaf_cost(static_cast<float>(half_area_in_double(node.bounds(c)) * scale), size[c]);
-      const auto cost_of = [&](int c, int roots) {
-        return is_leaf(node.child[c]) ? leaf_costs[c] : forests_[node.child[c]].cost(roots);
+      const auto forests_of = [&](int c) {
+        if (!is_leaf(node.child[c])) return forests_[node.child[c]];
+        return WideForests(leaf_cost(static_cast<float>(half_area_in_double(node.bounds(c)) * scale), size[c]));
       };
       const auto area = static_cast<float>(half_area_in_double(box) * scale);
       const std::uint32_t sum = triangles[*at] = size[0] + size[1];
       const bool fits = sum <= static_cast<std::uint32_t>(options_.max_leaf_size);
-      forests_[*at].choose(cost_of, area * options_.traversal_cost,
+      forests_[*at].choose(forests_of(0), forests_of(1), area * options_.traversal_cost,
                            fits ? leaf_cost(area, sum) : std::numeric_limits<float>::infinity());
     }
   }
