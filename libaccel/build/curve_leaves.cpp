@@ -22,8 +22,8 @@ class Window {
  public:
   Window(Float4 scale, std::uint32_t most) : scale_(scale), most_(most) {}
 
-  // Adds the leaves of references [begin, end) to `out`; returns the end of that. Boxes are fetched first, and by a loop that does
-  // nothing else, because most of them are far away.
+  // Adds the leaves of references [begin, end) to `out`; returns the end of that. Boxes are fetched first, and by a loop that
+  // does nothing else, because most of them are far away.
   Cluster* cut(const References& references, const CurveOrder& order, std::size_t begin, std::size_t end, Cluster* out) {
     count_ = end - begin;
     for (std::size_t i = 0; i < count_; ++i) box_[i] = references.storage[order[begin + i]].box();

@@ -12,8 +12,8 @@ namespace accel {
 
 inline constexpr int kWordDigitBits = 11;
 
-// Sorts by bits [first_bit, 64), in whole digits from first_bit on. Returns where the sorted words are: `words`, or `other`, which
-// has room for as many.
+// Sorts by bits [first_bit, 64), in whole digits from first_bit on. Returns where the sorted words are: `words`, or `other`,
+// which has room for as many.
 std::uint64_t* sort_words(std::uint64_t* words, std::uint64_t* other, std::size_t n, int first_bit);
 
 }  // namespace accel

@@ -41,8 +41,8 @@ class WideForests {
   }
 
  private:
-  // [roots - 1], with how many of them are on the left, or 0 for the node itself; of one root, whether it is a leaf. The last is
-  // that of a whole node's children.
+  // [roots - 1], with how many of them are on the left, or 0 for the node itself; of one root, whether it is a leaf. The last
+  // is that of a whole node's children.
   alignas(16) float cost_[kBvh8Arity];
 };
 static_assert(sizeof(WideForests) == 32);

@@ -24,8 +24,8 @@ inline float with_choice(float cost, std::uint32_t choice) {
   return std::bit_cast<float>((std::bit_cast<std::uint32_t>(cost) & ~kChoiceBits) | choice);
 }
 
-// costs[r - 1], for r of 2 to 8: the least of left[k - 1] + right[r - k - 1] over k, with k for its choice; costs[0] is impossible.
-// The arrays have eight costs each, and are aligned; the last of `left` and `right` is not used.
+// costs[r - 1], for r of 2 to 8: the least of left[k - 1] + right[r - k - 1] over k, with k for its choice; costs[0] is
+// impossible. The arrays have eight costs each, and are aligned; the last of `left` and `right` is not used.
 inline void choose_split_scalar(const float* left, const float* right, float* costs) {
   costs[0] = kImpossibleCost;
   for (std::uint32_t roots = 2; roots <= kBvh8Arity; ++roots) {
@@ -44,7 +44,8 @@ inline void choose_split_sse(const float* left, const float* right, float* costs
   const __m128 low_1 = _mm_move_ss(_mm_shuffle_ps(r1, r1, _MM_SHUFFLE(2, 1, 0, 0)), impossible);
   const __m128 low_3 = _mm_shuffle_ps(impossible, low_2, _MM_SHUFFLE(2, 0, 0, 0));
   const __m128 high_2 = join(r1, r5);
-  const __m128 high_1 = _mm_shuffle_ps(high_2, r5, _MM_SHUFFLE(2, 1, 2, 1)), high_3 = _mm_shuffle_ps(r1, high_2, _MM_SHUFFLE(2, 1, 2, 1));
+  const __m128 high_1 = _mm_shuffle_ps(high_2, r5, _MM_SHUFFLE(2, 1, 2, 1)),
+               high_3 = _mm_shuffle_ps(r1, high_2, _MM_SHUFFLE(2, 1, 2, 1));
 
   const __m128i keep = _mm_set1_epi32(~static_cast<int>(kChoiceBits));
   const auto sum = [&](int k, __m128 rest) {

@@ -50,8 +50,7 @@ inline std::array<std::uint64_t, 8> orders(const Places* places, std::uint32_t c
   const std::uint64_t absent = count < kBvh8Arity ? kAll >> 8 * count << 8 * count : 0;
   std::array<std::uint64_t, 8> order{};
   for (std::uint32_t c = 0; c < count; ++c)
-    for (std::uint32_t octant = 0; octant < kRanked; ++octant)
-      order[octant] |= std::uint64_t{c} << places[c][octant];
+    for (std::uint32_t octant = 0; octant < kRanked; ++octant) order[octant] |= std::uint64_t{c} << places[c][octant];
   for (std::uint32_t octant = 0; octant < kRanked; ++octant) {
     order[7 - octant] = __builtin_bswap64(order[octant]) >> (64 - 8 * count) | absent;
     order[octant] |= absent;

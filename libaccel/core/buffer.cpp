@@ -14,14 +14,16 @@ constexpr std::size_t kHugePage = std::size_t{2} << 20;
 // which is a third of a millisecond.
 bool has_huge_pages(std::size_t bytes) { return bytes >= kHugePage / 2; }
 
-std::align_val_t alignment_of(std::size_t bytes) { return std::align_val_t{has_huge_pages(bytes) ? kHugePage : kBufferAlignment}; }
+std::align_val_t alignment_of(std::size_t bytes) {
+  return std::align_val_t{has_huge_pages(bytes) ? kHugePage : kBufferAlignment};
+}
 
 }  // namespace
 
 void* allocate_buffer(std::size_t bytes) {
   if (!has_huge_pages(bytes)) return ::operator new(bytes, alignment_of(bytes));
   const std::size_t pages = bytes / kHugePage + (bytes % kHugePage != 0 ? 1 : 0);
-  void* const memory = ::operator new(pages * kHugePage, alignment_of(bytes));
+  void* const memory = ::operator new(pages* kHugePage, alignment_of(bytes));
   madvise(memory, pages * kHugePage, MADV_HUGEPAGE);  // a wish: where the system has no such pages, nothing changes
   return memory;
 }

@@ -12,7 +12,8 @@
 
 namespace accel {
 
-// Whether the triangle is surely in range, is_in_range(), and surely has an area, !is_zero_area(). False says nothing: ask those.
+// Whether the triangle is surely in range, is_in_range(), and surely has an area, !is_zero_area(). False says nothing: ask
+// those.
 inline bool is_plain_triangle(Float4 v0, Float4 v1, Float4 v2) {
   constexpr float kShare = 0x1p-20f, kLeast = 0x1p-130f;
   const auto magnitude = [](Float4 a) { return max_of(a, Float4::splat(0.0f) - a); };  // NaN stays NaN
