@@ -15,21 +15,28 @@ namespace {
 // The clusters that become the children of a node, in the order of the tree.
 struct Family {
   std::uint32_t child[kBvh8Arity];
-  std::uint32_t count = 0;
+  std::uint32_t count;
 };
 
 class Collapse {
  public:
   Collapse(const ClusterTree& tree, const BuildOptions& options)
-      : clusters_(tree.clusters), leaves_(tree.leaves), rounds_(tree.rounds), options_(options), forests_(leaves_ - 1) {}
+      : clusters_(tree.clusters),
+        leaves_(tree.leaves),
+        rounds_(tree.rounds),
+        options_(options),
+        forests_(leaves_ - 1),
+        parents_(leaves_ - 1),
+        first_child_(leaves_ - 1),
+        families_(leaves_ - 1) {}
 
   std::optional<WideNodes> run() {
     const auto root = static_cast<std::uint32_t>(2 * leaves_ - 2);
     if (is_leaf_cluster(root)) return WideNodes{{}, block_ref(0, 1), 0};
     choose(root);
     if (!list_levels(root)) return std::nullopt;
-    WideNodes wide{Buffer<Bvh8Node>(parents_.size()), 0, depth_};
-    for_chunks(0, parents_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    WideNodes wide{Buffer<Bvh8Node>(count_), 0, depth_};
+    for_chunks(0, count_, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) make_node(i, wide.nodes[i]);
     });
     return wide;
@@ -64,15 +71,14 @@ class Collapse {
 
   // Which clusters become nodes, level by level, and where the inner children of each begin. False if they are too deep.
   bool list_levels(std::uint32_t root) {
-    parents_ = {root};
-    for (std::size_t begin = 0; begin < parents_.size(); ++depth_) {
+    parents_[0] = root, count_ = 1;
+    for (std::size_t begin = 0; begin < count_; ++depth_) {
       if (depth_ == static_cast<std::uint32_t>(options_.max_depth)) return false;
-      begin = list_level(begin, parents_.size());
+      begin = list_level(begin, count_);
     }
     return true;
   }
   std::size_t list_level(std::size_t begin, std::size_t end) {
-    families_.resize(end), first_child_.resize(end);
     std::vector<std::size_t> before(chunk_count(end - begin));
     for_chunks(begin, end, [&](std::size_t chunk, std::size_t first, std::size_t last) {
       std::size_t sum = 0;
@@ -85,7 +91,7 @@ class Collapse {
     });
     std::size_t next = end;
     for (std::size_t& n : before) next += std::exchange(n, next);
-    parents_.resize(next);
+    count_ = next;
     for_chunks(begin, end, [&](std::size_t chunk, std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         std::size_t to = first_child_[i] += static_cast<std::uint32_t>(before[chunk]);
@@ -99,6 +105,7 @@ class Collapse {
 
   Family family_of(std::uint32_t parent) const {
     Family family;
+    family.count = 0;
     int roots = static_cast<int>(kBvh8Arity);
     const int left = forests(parent).left(roots);
     gather(clusters_[parent].first, left, family), gather(clusters_[parent].second, roots - left, family);
@@ -131,9 +138,10 @@ class Collapse {
   const std::vector<std::size_t>& rounds_;
   const BuildOptions& options_;
   Float4 scale_;
-  Buffer<WideForests> forests_;                       // by inner cluster
-  std::vector<std::uint32_t> parents_, first_child_;  // by wide node
-  std::vector<Family> families_;                      // likewise
+  Buffer<WideForests> forests_;                  // by inner cluster
+  Buffer<std::uint32_t> parents_, first_child_;  // by wide node; there is room for as many as there are inner clusters
+  Buffer<Family> families_;                      // likewise
+  std::size_t count_ = 0;                        // of wide nodes
   std::uint32_t depth_ = 0;
 };
 

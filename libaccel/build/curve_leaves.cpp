@@ -27,6 +27,7 @@ class Window {
   Cluster* cut(const References& references, const CurveOrder& order, std::size_t begin, std::size_t end, Cluster* out) {
     count_ = end - begin;
     for (std::size_t i = 0; i < count_; ++i) box_[i] = references.storage[order[begin + i]].box();
+    prefetch(references, order, end);
     choose();
     for (std::size_t i = 0; i < count_; i += size_[i]) {
       const std::size_t size = size_[i];
@@ -38,6 +39,12 @@ class Window {
   }
 
  private:
+  // The next window, while this one is cut.
+  static void prefetch(const References& references, const CurveOrder& order, std::size_t begin) {
+    const std::size_t end = std::min(begin + kWindow, order.size());
+    for (std::size_t i = begin; i < end; ++i) __builtin_prefetch(&references.storage[order[i]]);
+  }
+
   // size_[i] is that of the first leaf of the cheapest cut of [i, count_).
   void choose() {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include <tbb/parallel_sort.h>
+
 #include "libaccel/build/parallel.h"
 #include "libaccel/build/sort_words.h"
 #include "libaccel/core/morton.h"
@@ -78,8 +80,16 @@ class Sorter {
       if (last - i > kShort) sort_run(words + i, words + last);
     }
   }
+  // By all threads where it is long: a scene may be a point beside something far away.
+  template <class Value>
+  static void sort_all(Value* begin, Value* end) {
+    if (static_cast<std::size_t>(end - begin) < kParallelSize)
+      std::sort(begin, end);
+    else
+      tbb::parallel_sort(begin, end);
+  }
   void sort_run(std::uint64_t* begin, std::uint64_t* end) const {
-    std::sort(begin, end);  // numbers break ties
+    sort_all(begin, end);  // numbers break ties
     for (std::uint64_t *first = begin, *last; first < end; first = last) {
       for (last = first + 1; last < end && *first >> id_bits_ == *last >> id_bits_;) ++last;
       if (static_cast<std::size_t>(last - first) > kShort) sort_by_code(first, last);
@@ -88,7 +98,7 @@ class Sorter {
   void sort_by_code(std::uint64_t* begin, std::uint64_t* end) const {
     std::vector<std::pair<std::uint64_t, std::uint64_t>> coded;
     for (const std::uint64_t* at = begin; at < end; ++at) coded.emplace_back(code(*at), *at);
-    std::sort(coded.begin(), coded.end());
+    sort_all(coded.data(), coded.data() + coded.size());
     for (const auto& pair : coded) *begin++ = pair.second;
   }
 

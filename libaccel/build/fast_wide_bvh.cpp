@@ -77,24 +77,25 @@ Result<Bvh8> build_tree(BuildContext& context) {
   std::vector<BlockRun> runs;
   if (!nodes) {
     nodes = balanced_wide(in_order(references, order), context.options, runs);
-  } else {
-    runs.resize(tree.leaves);
-    for (std::size_t i = 0; i < tree.leaves; ++i) runs[i] = {tree.clusters[i].first, tree.clusters[i].second};
   }
-  if (nodes->nodes.size() >= kLeafBit || runs.size() > kMaxBlocks)
-    return Error{"the wide tree needs " + std::to_string(nodes->nodes.size()) + " nodes and " + std::to_string(runs.size()) +
+  const std::size_t blocks = runs.empty() ? tree.leaves : runs.size();
+  const auto run_of = [&](std::size_t b) {
+    return runs.empty() ? BlockRun{tree.clusters[b].first, tree.clusters[b].second} : runs[b];
+  };
+  if (nodes->nodes.size() >= kLeafBit || blocks > kMaxBlocks)
+    return Error{"the wide tree needs " + std::to_string(nodes->nodes.size()) + " nodes and " + std::to_string(blocks) +
                  " blocks of triangles, more than a reference can name; split the mesh"};
 
   Bvh8 wide;
   static_cast<Bvh8Words&>(wide) = {nodes->root, nodes->depth, count, bounds.boxes.aabb()};
   wide.nodes = nodes->nodes;
-  wide.blocks = Buffer<TriangleBlock>(runs.size());
+  wide.blocks = Buffer<TriangleBlock>(blocks);
   context.memory.add(collapse_clusters_bytes(tree, *nodes) + wide.blocks.size_bytes() + runs.size() * sizeof(BlockRun));
   context.begin_phase("blocks");
-  for_chunks(0, runs.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+  for_chunks(0, blocks, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
-      if (b + kAhead < end) prefetch(context.mesh, order, runs[b + kAhead]);
-      make_block(context.mesh, sorted_ids(order, runs[b]), wide.blocks[b]);
+      if (b + kAhead < end) prefetch(context.mesh, order, run_of(b + kAhead));
+      make_block(context.mesh, sorted_ids(order, run_of(b)), wide.blocks[b]);
     }
   });
   context.report.references = count;
