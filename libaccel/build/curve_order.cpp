@@ -75,9 +75,15 @@ class Sorter {
     const auto is_same = [&](std::size_t i, std::size_t j) { return words[i] >> kFirstBit == words[j] >> kFirstBit; };
     std::size_t i = begin;
     while (i > 0 && i < end && is_same(i, i - 1)) ++i;
-    for (std::size_t last; i < end; i = last) {
-      for (last = i + 1; last < count_ && is_same(i, last);) ++last;
-      if (last - i > kShort) sort_run(words + i, words + last);
+    while (i < end && i + kShort < count_) {
+      std::size_t last = i + kShort;
+      if (!is_same(i, last)) {  // no long run begins here
+        ++i;
+        continue;
+      }
+      while (last < count_ && is_same(i, last)) ++last;
+      sort_run(words + i, words + last);
+      i = last;
     }
   }
   // By all threads where it is long: a scene may be a point beside something far away.
