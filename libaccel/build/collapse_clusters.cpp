@@ -45,7 +45,6 @@ class Collapse {
  private:
   bool is_leaf_cluster(std::uint32_t cluster) const { return cluster < leaves_; }
   const WideForests& forests(std::uint32_t cluster) const { return forests_[cluster - leaves_]; }
-  float area(std::uint32_t cluster) const { return clusters_[cluster].box().half_area(scale_); }
 
   // Costs, from the leaves up: the nodes of a round know nothing of each other.
   void choose(std::uint32_t root) {
@@ -57,16 +56,18 @@ class Collapse {
   }
   void choose_of(std::size_t i) {
     const Cluster& cluster = clusters_[i];
-    const std::uint32_t child[2] = {cluster.first, cluster.second};
-    WideForests leaf[2];
-    const WideForests* of_child[2];
-    for (int c = 0; c < 2; ++c)
-      if (is_leaf_cluster(child[c]))
-        leaf[c] = WideForests(area(child[c]) * options_.intersection_cost), of_child[c] = &leaf[c];
-      else
-        of_child[c] = &forests(child[c]);
-    forests_[i - leaves_].choose(*of_child[0], *of_child[1], area(static_cast<std::uint32_t>(i)) * options_.traversal_cost,
-                                 std::numeric_limits<float>::infinity());
+    const Box4 own = cluster.box(), first = clusters_[cluster.first].box(), second = clusters_[cluster.second].box();
+    const Float4 lo[4] = {own.lo, first.lo, second.lo, own.lo}, hi[4] = {own.hi, first.hi, second.hi, own.hi};
+    float area[4];
+    half_areas(lo, hi, scale_, area);
+    // Made for inner children too, and not used: whether a child is a leaf nobody can guess.
+    const WideForests leaf[2] = {WideForests(area[1] * options_.intersection_cost),
+                                 WideForests(area[2] * options_.intersection_cost)};
+    forests_[i - leaves_].choose(*forests_of(cluster.first, leaf[0]), *forests_of(cluster.second, leaf[1]),
+                                 area[0] * options_.traversal_cost, std::numeric_limits<float>::infinity());
+  }
+  const WideForests* forests_of(std::uint32_t cluster, const WideForests& leaf) const {
+    return is_leaf_cluster(cluster) ? &leaf : &forests(cluster);
   }
 
   // Which clusters become nodes, level by level, and where the inner children of each begin. False if they are too deep.

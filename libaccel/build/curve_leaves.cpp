@@ -67,8 +67,9 @@ class Window {
       const float of_1 = area[0] + cost[0], of_2 = area[1] + cost[1] + most[1], of_3 = area[2] + cost[2] + most[2],
                   of_4 = area[3] + cost[3] + most[3];
       const float of_34 = min_of(of_4, of_3), of_234 = min_of(of_34, of_2), least = min_of(of_234, of_1);
-      const std::uint8_t size_34 = of_4 <= of_3 ? 4 : 3, size_234 = of_34 <= of_2 ? size_34 : 2;
-      size_[i] = of_234 <= of_1 ? size_234 : 1;
+      // In masks: nobody can guess them.
+      const int past_1 = of_234 <= of_1 ? -1 : 0, past_2 = of_34 <= of_2 ? -1 : 0, past_3 = of_4 <= of_3 ? -1 : 0;
+      size_[i] = static_cast<std::uint8_t>(1 - (past_1 & (-1 + (past_2 & (-1 + past_3)))));
       cost[3] = cost[2], cost[2] = cost[1], cost[1] = cost[0], cost[0] = least + child;
       next[2] = next[1], next[1] = next[0], next[0] = first;
     }
