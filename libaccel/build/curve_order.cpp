@@ -16,8 +16,9 @@ namespace accel {
 namespace {
 
 constexpr int kAxisBits = 21;
-constexpr int kFirstBit = 31;                // of three digits: those above are sorted first
+constexpr int kFirstBit = 20;                // of four digits: those above are sorted first
 constexpr std::size_t kShort = kBlockLanes;  // runs that stay as they are
+constexpr std::size_t kFew = 32;             // likewise, of words that are the same but for their number
 
 // Cells along the widest axis of the centres; one where all are the same.
 class CurveCells {
@@ -98,11 +99,12 @@ class Sorter {
     sort_all(begin, end);  // numbers break ties
     for (std::uint64_t *first = begin, *last; first < end; first = last) {
       for (last = first + 1; last < end && *first >> id_bits_ == *last >> id_bits_;) ++last;
-      if (static_cast<std::size_t>(last - first) > kShort) sort_by_code(first, last);
+      if (static_cast<std::size_t>(last - first) > kFew) sort_by_code(first, last);
     }
   }
   void sort_by_code(std::uint64_t* begin, std::uint64_t* end) const {
     std::vector<std::pair<std::uint64_t, std::uint64_t>> coded;
+    coded.reserve(static_cast<std::size_t>(end - begin));
     for (const std::uint64_t* at = begin; at < end; ++at) coded.emplace_back(code(*at), *at);
     sort_all(coded.data(), coded.data() + coded.size());
     for (const auto& pair : coded) *begin++ = pair.second;

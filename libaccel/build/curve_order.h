@@ -4,12 +4,16 @@
 // stadium still has an order of its own. The scale is the same along all axes, that of the widest: cells of the curve are
 // cubes, and flat scenes waste no quality on an axis that they do not have.
 //
-// What is sorted are words: a code's upper bits, as many as there is room for, and behind them the number of the reference. Few
-// scenes need all the bits: the upper half is sorted first, and then, by itself, each run in which it does not differ and which
-// is longer than a leaf; first by the bits that words have, then by whole codes. References with the same code, and those of a
-// shorter run, keep their order. O(n), and 16 bytes a reference while it runs, of which 8 remain. The same for any number of
-// threads.
+// What is sorted are words: a code's upper bits, as many as there is room for, and behind them the number of the reference.
+// Four digits are sorted first, which is enough for most. Then each run in which they do not differ is sorted by itself, by the
+// bits that words have, if it is longer than a leaf; and what then is still the same by whole codes, if it is long. References
+// with the same code, and those of shorter runs, keep their order. O(n) but for such runs, which are sorted by comparisons; 16
+// bytes a reference while it runs, of which 8 remain. The same for any number of threads.
 #pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
 
 #include "libaccel/build/references.h"
 

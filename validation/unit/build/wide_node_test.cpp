@@ -38,8 +38,8 @@ TEST(WideNode, ChildrenComeByDistanceForEveryOctant) {
     for (std::uint32_t c = 0; c < kBvh8Arity; ++c) {
       EXPECT_EQ(node.child[c], c < count ? c + 10 : kNoNode);
       EXPECT_EQ(node.is_absent(c), c >= count);
-      if (c < count)
-        EXPECT_TRUE(node.bounds(c).lo == children[c].box.aabb().lo && node.bounds(c).hi == children[c].box.aabb().hi);
+      if (c >= count) continue;
+      EXPECT_TRUE(node.bounds(c).lo == children[c].box.aabb().lo && node.bounds(c).hi == children[c].box.aabb().hi);
     }
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       std::set<std::uint32_t> seen;
