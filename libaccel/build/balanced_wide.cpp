@@ -28,13 +28,13 @@ class Balanced {
     const std::size_t index = nodes_.size(), size = end - begin;
     nodes_.emplace_back();
     WideChild children[kBvh8Arity];
-    Aabb box;
+    Box4 box;
     const auto count = static_cast<std::uint32_t>(std::min<std::size_t>(size, kBvh8Arity));
     for (std::uint32_t c = 0; c < count; ++c) {
       children[c] = build(begin + size * c / count, begin + size * (c + 1) / count, above + 1);
       box.extend(children[c].box);
     }
-    nodes_[index] = make_wide_node(children, count);
+    make_wide_node(children, count, nodes_[index]);
     return {static_cast<NodeRef>(index), box};
   }
 
@@ -44,7 +44,7 @@ class Balanced {
       runs_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(std::min<std::size_t>(end - i, kBlockLanes))});
     const auto blocks = static_cast<std::uint32_t>(runs_.size()) - first_block;
     if (blocks > kMostCounted) runs_.push_back({0, 0});
-    return {block_ref(first_block & (kMaxBlocks - 1), blocks), bounds_of(sorted_.data(), begin, end).boxes.aabb()};
+    return {block_ref(first_block & (kMaxBlocks - 1), blocks), bounds_of(sorted_.data(), begin, end).boxes};
   }
 
   const Buffer<Reference>& sorted_;

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "libaccel/core/float4_simd.h"
+#include "libaccel/core/float4_memory.h"
 
 namespace accel {
 
@@ -21,7 +21,9 @@ struct alignas(32) Cluster {
 static_assert(sizeof(Cluster) == 32);
 
 inline Cluster make_cluster(const Box4& box, std::uint32_t first, std::uint32_t second) {
-  return {box.lo.xyz(), first, box.hi.xyz(), second};
+  Cluster cluster;
+  store_with_word(&cluster.lo, box.lo, first), store_with_word(&cluster.hi, box.hi, second);
+  return cluster;
 }
 
 }  // namespace accel

@@ -1,18 +1,24 @@
 #include "libaccel/build/curve_order.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <vector>
 
-#include "libaccel/build/radix_sort.h"
+#include <tbb/parallel_sort.h>
+
+#include "libaccel/build/parallel.h"
+#include "libaccel/build/sort_words.h"
 #include "libaccel/core/morton.h"
+#include "libaccel/structure/triangle_block.h"
 
 namespace accel {
 namespace {
 
-constexpr int kAxisBits = 21, kCodeBits = 3 * kAxisBits;
-constexpr int kLowBits = 32;           // left to the second round
-constexpr std::size_t kFewCodes = 64;  // sorted by insertion
+constexpr int kAxisBits = 21;
+constexpr int kFirstBit = 20;                // of four digits: those above are sorted first
+constexpr std::size_t kShort = kBlockLanes;  // runs that stay as they are
+constexpr std::size_t kFew = 32;             // likewise, of words that are the same but for their number
 
 // Cells along the widest axis of the centres; one where all are the same.
 class CurveCells {
@@ -35,71 +41,97 @@ class CurveCells {
   Float4 base_, scale_;
 };
 
-void sort_by_insertion(std::uint64_t* codes, std::uint32_t* ids, std::size_t n) {
-  for (std::size_t i = 1; i < n; ++i) {
-    const std::uint64_t code = codes[i];
-    const std::uint32_t id = ids[i];
-    std::size_t to = i;
-    for (; to > 0 && code < codes[to - 1]; --to) codes[to] = codes[to - 1], ids[to] = ids[to - 1];
-    codes[to] = code, ids[to] = id;
+// Words: codes are 63 bits long, and those of nothing have the bit above.
+class Sorter {
+ public:
+  Sorter(const References& references)
+      : references_(references.storage),
+        cells_(references.bounds.centers),
+        count_(references.count),
+        id_bits_(std::bit_width(references_.size() - 1)) {}
+
+  CurveOrder run() {
+    const std::size_t n = references_.size();
+    Buffer<std::uint64_t> words(n), other(n);
+    for_chunks(0, n, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) words[i] = word(static_cast<std::uint32_t>(i));
+    });
+    if (sort_words(words.data(), other.data(), n, kFirstBit) != words.data()) std::swap(words, other);
+    for_chunks(0, count_, [&](std::size_t, std::size_t begin, std::size_t end) { sort_runs(words.data(), begin, end); });
+    return {std::move(words), count_, id_bits_};
   }
-}
 
-struct CodeRun {
-  std::size_t begin, end;
-};
-
-// The runs of equal upper bits that start in [begin, end) and have something to sort.
-std::vector<CodeRun> runs_in(const std::uint64_t* codes, std::size_t n, std::size_t begin, std::size_t end) {
-  const auto is_same = [&](std::size_t i, std::size_t j) { return codes[i] >> kLowBits == codes[j] >> kLowBits; };
-  std::vector<CodeRun> runs;
-  std::size_t i = begin;
-  while (i > 0 && i < end && is_same(i, i - 1)) ++i;
-  for (std::size_t last; i < end; i = last) {
-    for (last = i + 1; last < n && is_same(i, last);) ++last;
-    if (last > i + 1) runs.push_back({i, last});
+ private:
+  std::uint64_t word(std::uint32_t id) const {
+    const Box4 box = references_[id].box();
+    if (box.empty()) return std::uint64_t{1} << 63 | id;
+    return cells_.code(box) >> id_bits_ << id_bits_ | id;
   }
-  return runs;
-}
+  std::uint64_t code(std::uint64_t word) const {
+    return cells_.code(references_[word & ((std::uint64_t{1} << id_bits_) - 1)].box());
+  }
 
-void sort_codes(std::uint64_t* codes, std::uint32_t* ids, std::size_t n) {
-  radix_sort(codes, ids, n, kLowBits, kCodeBits);
-  std::vector<std::vector<CodeRun>> runs(chunk_count(n));
-  for_chunks(0, n, [&](std::size_t chunk, std::size_t begin, std::size_t end) { runs[chunk] = runs_in(codes, n, begin, end); });
-  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t chunk) {
-    for (const CodeRun& run : runs[chunk])
-      if (const std::size_t size = run.end - run.begin; size <= kFewCodes) {
-        sort_by_insertion(codes + run.begin, ids + run.begin, size);
-      } else {
-        radix_sort(codes + run.begin, ids + run.begin, size, 0, kLowBits);
+  // Sorts the runs of equal upper bits that start in [begin, end) by all of them.
+  void sort_runs(std::uint64_t* words, std::size_t begin, std::size_t end) const {
+    const auto is_same = [&](std::size_t i, std::size_t j) { return words[i] >> kFirstBit == words[j] >> kFirstBit; };
+    std::size_t i = begin;
+    while (i > 0 && i < end && is_same(i, i - 1)) ++i;
+    while (i < end && i + kShort < count_) {
+      std::size_t last = i + kShort;
+      if (!is_same(i, last)) {  // no long run begins here
+        ++i;
+        continue;
       }
-  });
-}
+      while (last < count_ && is_same(i, last)) ++last;
+      sort_run(words + i, words + last);
+      i = last;
+    }
+  }
+  // By all threads where it is long: a scene may be a point beside something far away.
+  template <class Value>
+  static void sort_all(Value* begin, Value* end) {
+    if (static_cast<std::size_t>(end - begin) < kParallelSize)
+      std::sort(begin, end);
+    else
+      tbb::parallel_sort(begin, end);
+  }
+  void sort_run(std::uint64_t* begin, std::uint64_t* end) const {
+    sort_all(begin, end);  // numbers break ties
+    for (std::uint64_t *first = begin, *last; first < end; first = last) {
+      for (last = first + 1; last < end && *first >> id_bits_ == *last >> id_bits_;) ++last;
+      if (static_cast<std::size_t>(last - first) > kFew) sort_by_code(first, last);
+    }
+  }
+  void sort_by_code(std::uint64_t* begin, std::uint64_t* end) const {
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> coded;
+    coded.reserve(static_cast<std::size_t>(end - begin));
+    for (const std::uint64_t* at = begin; at < end; ++at) coded.emplace_back(code(*at), *at);
+    sort_all(coded.data(), coded.data() + coded.size());
+    for (const auto& pair : coded) *begin++ = pair.second;
+  }
+
+  const Buffer<Reference>& references_;
+  const CurveCells cells_;
+  const std::size_t count_;
+  const int id_bits_;
+};
 
 }  // namespace
 
-Buffer<Reference> in_curve_order(BuildContext& context, References& references) {
+CurveOrder curve_order(BuildContext& context, const References& references) {
   context.begin_phase("sort");
-  const std::size_t n = references.count;
-  Buffer<std::uint64_t> codes(n);
-  Buffer<std::uint32_t> ids(n);
-  const std::size_t pairs = 2 * (codes.size_bytes() + ids.size_bytes());
-  context.memory.add(pairs);
+  const std::size_t words = references.storage.size() * sizeof(std::uint64_t);
+  context.memory.add(2 * words);
+  CurveOrder order = Sorter(references).run();
+  context.memory.subtract(words);
+  return order;
+}
 
-  const CurveCells cells(references.bounds.centers);
-  for_chunks(0, n, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      codes[i] = cells.code(references.storage[i].box()), ids[i] = static_cast<std::uint32_t>(i);
+Buffer<Reference> in_order(const References& references, const CurveOrder& order) {
+  Buffer<Reference> sorted(order.size());
+  for_chunks(0, order.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) sorted[i] = references.storage[order[i]];
   });
-  sort_codes(codes.data(), ids.data(), n);
-
-  Buffer<Reference> sorted(n);
-  context.memory.add(sorted.size_bytes());
-  for_chunks(0, n, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) sorted[i] = references.storage[ids[i]];
-  });
-  context.memory.subtract(pairs + references.storage.size_bytes());
-  references.storage = {};
   return sorted;
 }
 

@@ -1,6 +1,8 @@
 #include "libaccel/build/fast_wide_bvh.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,33 +17,57 @@
 namespace accel {
 namespace {
 
-// Triangles by prim_id, as other builders have them.
-TriangleBlock make_block(const TriangleMesh& mesh, const Reference* first, std::uint32_t count) {
-  std::uint32_t prim_ids[kBlockLanes];
-  for (std::uint32_t i = 0; i < count; ++i) {
-    std::uint32_t to = i;
-    for (; to > 0 && first[i].prim_id < prim_ids[to - 1]; --to) prim_ids[to] = prim_ids[to - 1];
-    prim_ids[to] = first[i].prim_id;
+// Blocks ahead of the one that is made. Triangles that are neighbours on the curve may be anywhere in the mesh.
+constexpr std::size_t kAhead = 8;
+void prefetch(const TriangleMesh& mesh, const CurveOrder& order, const BlockRun& run) {
+  for (std::uint32_t i = 0; i < run.count; ++i) __builtin_prefetch(&mesh.triangles[order[run.first + i]]);
+}
+
+// The prim_ids of a run, in their order; kNoHit, which is larger than all, behind them.
+std::array<std::uint32_t, kBlockLanes> sorted_ids(const CurveOrder& order, const BlockRun& run) {
+  std::array<std::uint32_t, kBlockLanes> ids;
+  for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) {
+    const std::uint32_t id = order[run.first + (lane < run.count ? lane : 0)];
+    ids[lane] = lane < run.count ? id : kNoHit;
   }
-  TriangleBlock block;
-  for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane)
-    if (lane < count)
-      block.set(lane, pack(mesh.triangle(prim_ids[lane]), prim_ids[lane]));
-    else
-      block.clear(lane);
-  return block;
+  static_assert(kBlockLanes == 4 && kNoHit == std::numeric_limits<std::uint32_t>::max());
+  const auto sort_two = [&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t low = std::min(ids[a], ids[b]), high = std::max(ids[a], ids[b]);
+    ids[a] = low, ids[b] = high;
+  };
+  sort_two(0, 1), sort_two(2, 3), sort_two(0, 2), sort_two(1, 3), sort_two(1, 2);
+  return ids;
+}
+
+// Triangles by prim_id, as other builders have them.
+void make_block(const TriangleMesh& mesh, const std::array<std::uint32_t, kBlockLanes>& ids, TriangleBlock& block) {
+  static constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  static constexpr Vec3 kNowhere{kNaN, kNaN, kNaN};
+  Float4 vertex[3][kBlockLanes];
+  for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane) {
+    const bool has = ids[lane] != kNoHit;
+    const IndexTriple t = mesh.triangles[has ? ids[lane] : 0];
+    const std::uint32_t corners[3] = {t.v0, t.v1, t.v2};
+    for (int i = 0; i < 3; ++i) vertex[i][lane] = load_point(*(has ? &mesh.vertices[corners[i]] : &kNowhere));
+    block.prim_id[lane] = ids[lane];
+  }
+  for (int i = 0; i < 3; ++i) {
+    Float4 axis[3];
+    transpose(vertex[i], axis);
+    for (int a = 0; a < 3; ++a) store(block.vertex[a][i], axis[a]);
+  }
 }
 
 Result<Bvh8> build_tree(BuildContext& context) {
-  References references = make_references(context, 0);
+  const References references = make_sparse_references(context);
   const std::size_t count = references.count;
   const SetBounds bounds = references.bounds;
   if (count == 0) return Bvh8{};
-  const Buffer<Reference> sorted = in_curve_order(context, references);
+  const CurveOrder order = curve_order(context, references);
   const auto most = static_cast<std::uint32_t>(std::min<int>(context.options.max_leaf_size, kBlockLanes));
 
   ProgressMeter progress(context.options.progress, "merge", count);
-  ClusterTree tree = cut_into_leaves(context, sorted, bounds.boxes, most);
+  ClusterTree tree = cut_into_leaves(context, references, order, most);
   progress.advance(count - tree.leaves);
   merge_clusters(context, tree, bounds.boxes, progress);
   if (progress.stopped()) return Error{std::string(kInterrupted)};
@@ -50,24 +76,27 @@ Result<Bvh8> build_tree(BuildContext& context) {
   std::optional<WideNodes> nodes = collapse_clusters(tree, context.options);
   std::vector<BlockRun> runs;
   if (!nodes) {
-    nodes = balanced_wide(sorted, context.options, runs);
-  } else {
-    runs.resize(tree.leaves);
-    for (std::size_t i = 0; i < tree.leaves; ++i) runs[i] = {tree.clusters[i].first, tree.clusters[i].second};
+    nodes = balanced_wide(in_order(references, order), context.options, runs);
   }
-  if (nodes->nodes.size() >= kLeafBit || runs.size() > kMaxBlocks)
-    return Error{"the wide tree needs " + std::to_string(nodes->nodes.size()) + " nodes and " + std::to_string(runs.size()) +
+  const std::size_t blocks = runs.empty() ? tree.leaves : runs.size();
+  const auto run_of = [&](std::size_t b) {
+    return runs.empty() ? BlockRun{tree.clusters[b].first, tree.clusters[b].second} : runs[b];
+  };
+  if (nodes->nodes.size() >= kLeafBit || blocks > kMaxBlocks)
+    return Error{"the wide tree needs " + std::to_string(nodes->nodes.size()) + " nodes and " + std::to_string(blocks) +
                  " blocks of triangles, more than a reference can name; split the mesh"};
 
   Bvh8 wide;
   static_cast<Bvh8Words&>(wide) = {nodes->root, nodes->depth, count, bounds.boxes.aabb()};
   wide.nodes = nodes->nodes;
-  wide.blocks = Buffer<TriangleBlock>(runs.size());
+  wide.blocks = Buffer<TriangleBlock>(blocks);
   context.memory.add(collapse_clusters_bytes(tree, *nodes) + wide.blocks.size_bytes() + runs.size() * sizeof(BlockRun));
   context.begin_phase("blocks");
-  for_chunks(0, runs.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b)
-      wide.blocks[b] = make_block(context.mesh, sorted.data() + runs[b].first, runs[b].count);
+  for_chunks(0, blocks, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      if (b + kAhead < end) prefetch(context.mesh, order, run_of(b + kAhead));
+      make_block(context.mesh, sorted_ids(order, run_of(b)), wide.blocks[b]);
+    }
   });
   context.report.references = count;
   return wide;

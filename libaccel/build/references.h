@@ -8,7 +8,7 @@
 
 #include "libaccel/build/build_context.h"
 #include "libaccel/core/buffer.h"
-#include "libaccel/core/float4_simd.h"
+#include "libaccel/core/float4_memory.h"
 
 namespace accel {
 
@@ -19,6 +19,7 @@ struct alignas(32) Reference {
   Vec3 hi;
   std::uint32_t side;  // scratch of the splitter that partitions the reference
 
+  void set(const Box4& box, std::uint32_t id) { store_with_word(&lo, box.lo, id), store_with_word(&hi, box.hi, 0); }
   Box4 box() const { return {Float4::load_xyz(lo), Float4::load_xyz(hi)}; }
   Aabb bounds() const { return {lo, hi}; }
   void set_bounds(const Aabb& b) { lo = b.lo, hi = b.hi; }
@@ -52,5 +53,8 @@ struct References {
 // One reference for each triangle that a ray can hit, in mesh order, with room for `spare` more; counts the others in the
 // report.
 References make_references(BuildContext& context, std::size_t spare);
+
+// The same with the reference of triangle i at storage[i], where those that no ray can hit have an empty box.
+References make_sparse_references(BuildContext& context);
 
 }  // namespace accel

@@ -130,12 +130,13 @@ class Refit {
     CostSums sums;
     for (; count < kBvh8Arity && node.child[count] != kNoNode; ++count) {
       const NodeRef child = node.child[count];
-      children[count] = {child, is_leaf(child) ? leaf_box(child) : bounds_of_children(new_.nodes[child])};
+      const Aabb box = is_leaf(child) ? leaf_box(child) : bounds_of_children(new_.nodes[child]);
+      children[count] = {child, Box4::of(box)};
       const double cost = is_leaf(child) ? double{options_.intersection_cost} * block_count(old_.blocks, child)
                                          : double{options_.traversal_cost};
-      sums += {cost * half_area_in_double(node.bounds(count)), cost * half_area_in_double(children[count].box)};
+      sums += {cost * half_area_in_double(node.bounds(count)), cost * half_area_in_double(box)};
     }
-    new_.nodes[ref] = make_wide_node(children, count);
+    make_wide_node(children, count, new_.nodes[ref]);
     return sums;
   }
 

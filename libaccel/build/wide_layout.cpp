@@ -125,10 +125,12 @@ class PieceMaker {
     for (std::uint32_t c = 0; c < family.count; ++c) {
       const Child& child = family.child[c];
       const auto next = static_cast<std::uint32_t>(piece.nodes.size() + inner.size());
-      children[c] = {child.as_leaf ? make_leaf(piece, child.ref) : next, child.box};
+      children[c] = {child.as_leaf ? make_leaf(piece, child.ref) : next, Box4::of(child.box)};
       if (!child.as_leaf) inner.push_back({child.ref, next, levels + 1});
     }
-    return make_wide_node(children, family.count);
+    Bvh8Node node;
+    make_wide_node(children, family.count, node);
+    return node;
   }
 
   Family family_of(NodeRef ref) const {
