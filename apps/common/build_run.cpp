@@ -90,6 +90,7 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
                         settings.builder,
                         accel->method().structure,
                         scene->triangles().size(),
+                        scene->skipped_faces,
                         scene->data.size_bytes(),
                         accel->size_bytes(),
                         scene->load_seconds,

@@ -80,9 +80,9 @@ Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
 }
 
 Outcome<Scene> open_scene_file(const std::string& path, const Progress& progress) {
-  auto data = load_scene(path, {progress});
-  if (!data) return data.error();
   Scene scene;
+  auto data = load_scene(path, {progress, &scene.skipped_faces});
+  if (!data) return data.error();
   scene.data = *std::move(data);
   scene.facts = mesh_facts(scene.triangles());
   return scene;

@@ -77,9 +77,12 @@ class TraceRun {
     report_.threads = settings_.common.threads > 0 ? settings_.common.threads : tbb::info::default_concurrency();
   }
 
-  // Triangles that builders drop: never silently.
+  // Faces and triangles that loaders and builders drop: never silently.
   void describe_skipped_triangles() {
     const MeshFacts& facts = scene_.facts;
+    if (scene_.skipped_faces > 0)
+      report_.skipped.push_back(
+          {counted(scene_.skipped_faces, "face"), it_has(scene_.skipped_faces) + " fewer than three corners"});
     if (facts.zero_area > 0)
       report_.skipped.push_back({counted(facts.zero_area, "triangle"), it_has(facts.zero_area) + " no area"});
     if (facts.out_of_range > 0)

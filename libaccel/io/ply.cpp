@@ -65,8 +65,8 @@ std::string bad_index(double number, std::uint64_t vertices) {
 
 class PlyReader {
  public:
-  PlyReader(std::span<const std::byte> bytes, const std::string& name, const Progress& progress)
-      : bytes_(bytes), name_(name), ticker_(progress, "read") {}
+  PlyReader(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options)
+      : bytes_(bytes), name_(name), options_(options), ticker_(options.progress, "read") {}
 
   Result<TriangleMesh> read();
 
@@ -100,6 +100,7 @@ class PlyReader {
 
   std::span<const std::byte> bytes_;
   const std::string& name_;
+  const LoadOptions& options_;
   ProgressTicker ticker_;
   PlyHeader header_;
   int coordinates_[3] = {-1, -1, -1};  // properties of `vertex`
@@ -125,6 +126,7 @@ Result<TriangleMesh> PlyReader::read() {
 
   Result<Buffer<IndexTriple>> triangles = faces_.triangulate(run_, vertices_.span(), name_);
   if (!triangles) return triangles.error();
+  if (options_.skipped_faces != nullptr) *options_.skipped_faces += faces_.skipped();
   return TriangleMesh{std::move(vertices_), *std::move(triangles)};
 }
 
@@ -348,7 +350,7 @@ std::uint64_t PlyReader::convert_triangles(const std::byte* first, std::size_t s
 }  // namespace
 
 Result<TriangleMesh> parse_ply(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options) {
-  return PlyReader(bytes, name, options.progress).read();
+  return PlyReader(bytes, name, options).read();
 }
 
 }  // namespace accel

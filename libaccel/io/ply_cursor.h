@@ -2,13 +2,14 @@
 //
 // A cursor has
 //
-//   bool number(PlyType, double&)              the next number; false at the end of the file or line or where there is no
-//   number bool skip(PlyType, std::uint64_t n)        passes over n numbers bool end_item()                            whether
-//   the item may end here: it is the only one of its line, or binary std::uint64_t room(PlyType) const          how many
-//   numbers of a type can follow at most std::uint64_t remaining() const            bytes that follow Error error(item, what)
-//   const              names the file, the place and the item
+//   bool number(PlyType, double&)              the next number; false at the end of the line or file, and for other words
+//   bool skip(PlyType, std::uint64_t n)        passes over n numbers
+//   bool end_item()                            whether an item may end here: in text, at the end of a line, which is passed
+//   std::uint64_t room(PlyType) const          how many numbers of a type can follow at most
+//   std::uint64_t remaining() const            bytes that follow
+//   Error error(item, what) const              names the file, the place and the item
 //
-// A line of text is an item: its numbers are all on it and nothing else is. Lines that are blank are passed over.
+// A line of text is an item: all its numbers and nothing else. Blank lines are passed over.
 #pragma once
 
 #include <algorithm>

@@ -227,6 +227,9 @@ test_empty_and_odd_scenes() {
   printf 'v 0 0 0\n' >empty.obj; expect 0 trace empty.obj --method all --rays primary,shadow,random,edge
   printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj; expect 0 trace line.obj --method all --rays primary,random
   says out "1 triangle, because it has no area"
+  quad; printf 'f 1 2\n' >>quad.obj
+  expect 0 trace quad.obj; says out "skipped: 1 face, because it has fewer than three corners"
+  expect 0 build quad.obj --stats; says out "skipped: 1 face, because it has fewer than three corners"
   printf 'v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n' >nan.obj; expect 0 trace nan.obj --method all
 }
 

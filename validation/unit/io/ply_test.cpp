@@ -236,6 +236,19 @@ TEST(Ply, ItemsOfAsciiAreLines) {
   expect_error(with_edges("1 2 8 9 1\n1 0"), "a.ply:15: edge 0: the line goes on");
 }
 
+TEST(Ply, FacesWithoutTrianglesAreCounted) {
+  std::uint64_t skipped = 0;
+  const std::string ascii = header("ascii", kXyz, kList, 4, 3) + "0 0 5\n1 0 5\n1 1 5\n0 1 5\n2 0 1\n4 0 1 2 3\n0\n";
+  expect_square(parse_ply(std::as_bytes(std::span(ascii)), "a.ply", {.skipped_faces = &skipped}));
+  EXPECT_EQ(skipped, 2u);
+
+  Bytes body = square();
+  body.add(std::uint8_t{3}).add(0).add(1).add(2).add(std::uint8_t{1}).add(0).add(std::uint8_t{3}).add(0).add(2).add(3);
+  const std::string binary = header("binary_little_endian", kXyz, kList, 4, 3) + body.text();
+  expect_square(parse_ply(std::as_bytes(std::span(binary)), "a.ply", {.skipped_faces = &skipped}));
+  EXPECT_EQ(skipped, 3u);
+}
+
 TEST(Ply, NothingFollowsTheLastElement) {
   expect_error(header("ascii", kXyz, kList, 4, 1) + "0 0 5\n1 0 5\n1 1 5\n0 1 5\n3 0 1 2\n3 0 2 3\n",
                "a.ply:16: after the last");
