@@ -68,7 +68,6 @@ Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
   auto structure = read_structure(*file, metadata->structure);
   if (!structure) return structure.error();
   BuildReport report;
-  report.seconds = statistic(*metadata, "build_seconds");
   report.triangles = static_cast<std::uint64_t>(statistic(*metadata, "triangles"));
   report.references = static_cast<std::uint64_t>(statistic(*metadata, "references"));
   Scene scene;

@@ -50,8 +50,8 @@ class TraceRun {
     if (!maker) return maker.failure();
     report_.camera = maker->camera();
     for (const StructureRow& row : set->structures)
-      terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) + ", " +
-                       seconds_text(row.build_seconds));
+      terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) +
+                       (row.build_seconds > 0 ? ", " + seconds_text(row.build_seconds) : ""));
     auto checker = Checker::create(scene_, settings_, embree_, bar_, report_.skipped);
     if (!checker) return checker.failure();
     auto rivals = make_rivals(embree_, settings_, report_.skipped);

@@ -243,6 +243,19 @@ test_accel_files() {
   expect 0 trace list.accel; says out brute/loop
 }
 
+# The same input and options give the same bytes, for any number of threads.
+test_accel_files_are_reproducible() {
+  for structure in bvh sbvh bvh8 kdtree grid; do
+    expect 0 "$ACCEL_BUILD" builtin:soup:5000 --threads 1 --structure $structure -o first.accel
+    expect 0 "$ACCEL_BUILD" builtin:soup:5000 --threads 1 --structure $structure -o again.accel
+    expect 0 "$ACCEL_BUILD" builtin:soup:5000 --threads 3 --structure $structure -o threads.accel
+    cmp first.accel again.accel || fail "$structure: the same build gives another file"
+    cmp first.accel threads.accel || fail "$structure: the file depends on the number of threads"
+  done
+  needs_python
+  expect 0 trace first.accel --check none --json -; json out 'not any("build_seconds" in b for b in j["benchmarks"])'
+}
+
 test_build_options_change_the_structure() {
   needs_python
   expect 0 build builtin:soup:5000 --structure bvh --max-leaf-size 1 --json -; json out 'len(j["benchmarks"][0]["leaf_sizes"]) == 2'
