@@ -95,6 +95,16 @@ bool is_corner(std::string_view word) {
   return false;
 }
 
+// Where the first line ends that is the letter v and nothing else, which tinyobjloader passes over; npos if there is none.
+std::size_t end_of_lone_v(std::string_view text) {
+  for (std::size_t v = text.find('v'); v != std::string_view::npos; v = text.find('v', v + 1)) {
+    if (v + 1 < text.size() && !is_line_end(text[v + 1])) continue;
+    const std::size_t before = text.substr(0, v).find_last_not_of(" \t");
+    if (before == std::string_view::npos || is_line_end(text[before])) return v + 1;
+  }
+  return std::string_view::npos;
+}
+
 std::string_view without_byte_order_mark(std::string_view text) {
   constexpr std::string_view kMark = "\xef\xbb\xbf";
   return text.substr(text.starts_with(kMark) ? kMark.size() : 0);
@@ -229,6 +239,8 @@ Result<TriangleMesh> ObjReader::read() {
   tinyobj::LoadObjWithCallback(input, callbacks, this);
   if (error_) return *error_;
 
+  if (const std::size_t end = end_of_lone_v(joined_.empty() ? text_ : joined_); end != std::string_view::npos)
+    return Error{name_ + ":" + std::to_string(line_number(text_, end)) + ": a vertex needs three numbers"};
   if (largest_ > vertices_.size())
     return Error{name_ + ":" + std::to_string(line_number(text_, largest_at_)) + ": a face names vertex " +
                  std::to_string(largest_) + ", but the file has " + std::to_string(vertices_.size())};

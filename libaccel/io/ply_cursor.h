@@ -88,7 +88,8 @@ class PlyAsciiCursor {
 
   bool number(PlyType type, double& value) {
     skip_blanks();
-    const char* first = here_ != end_ && *here_ == '+' ? here_ + 1 : here_;
+    const bool has_plus = end_ - here_ > 1 && here_[0] == '+' && here_[1] != '-';
+    const char* first = here_ + has_plus;
     // A float is rounded once, from its digits.
     float single = 0;
     std::from_chars_result parsed =

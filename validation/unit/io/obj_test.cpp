@@ -84,6 +84,7 @@ TEST(Obj, LinesAreContinued) {
     expect_error(text + "f 1 2 x\\" + end, "a.obj:11: 'x' is not a face's corner");
     expect_error(text + "f 1 2 x" + end, "a.obj:10: 'x' is not a face's corner");
   }
+  EXPECT_EQ(parsed("v 0 0 0\no an object called \\\nv\n").vertices.size(), 1u);
   expect_error("v 0 0 \\ \n0\n", "a.obj:1: '\\' is not a number");
 }
 
@@ -136,6 +137,8 @@ TEST(Obj, ErrorsNameTheLine) {
   expect_error("PK\x03\x04 this is a zip file", "neither vertices nor faces");
   expect_error("v 0 0 0\nv 1 two 0\n", "a.obj:2: 'two' is not a number");
   expect_error("v 0 0 0\r\nv 1 0\r\n", "a.obj:2: a vertex needs three numbers");
+  expect_error("v 0 0 0\no v\n v\nv 1 0 0\n", "a.obj:3: a vertex needs three numbers");
+  expect_error("v 0 0 0\nv", "a.obj:2: a vertex needs three numbers");
   expect_error("v 1,5 0 0\n", "a.obj:1: '1,5' is not a number");
   expect_error("v 1.2.3 0 0\n", "a.obj:1: '1.2.3' is not a number");
   expect_error("v 5-2 0 0\n", "a.obj:1: '5-2' is not a number");

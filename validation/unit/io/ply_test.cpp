@@ -195,6 +195,9 @@ TEST(Ply, ErrorsInTheBody) {
   expect_error(ascii + "3 0 1 2\n-3 0 1 2\n", "face 1: has a list of negative or broken length");
   expect_error(ascii + "3 0 1 2\n999999999 0 1 2\n", "face 1: has more corners");
   expect_error(ascii + "3 0 1 2\n3 0 2\n", "face 1");
+  expect_error(ascii + "3 0 1 2\n3 0 2 +-3\n", "a.ply:16: face 1");
+  expect_error(header("ascii", kXyz, kList, 1, 0) + "0 1.2.3 5\n", "a.ply:11: vertex 0");
+  expect_error(header("ascii", kXyz, kList, 1, 0) + "0 5-2 5\n", "a.ply:11: vertex 0");
   expect_error(ascii + "3 0 1 2\n3 0 2 x\n", "a.ply:16: face 1: the line or the file ends early, or no number stands here");
   expect_error(header("ascii", kXyz, kList, 4000000000) + "0 0 0\n", "says that it has 4000000000 items");
   expect_error(header("ascii", kXyz, kList, 5000000000) + "0 0 0\n", "more than 32 bits count");
