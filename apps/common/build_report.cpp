@@ -40,8 +40,9 @@ std::string phases_text(const BuildReport& build) {
   return parts.empty() ? "" : "  phases: " + join(parts, ", ") + "\n";
 }
 
-std::string left_out_text(const Skipped& skipped) {
+std::string left_out_text(std::uint64_t faces, const Skipped& skipped) {
   std::vector<std::string> parts;
+  if (faces > 0) parts.push_back(counted(faces, "face") + ", because " + it_has(faces) + " fewer than three corners");
   if (skipped.zero_area > 0)
     parts.push_back(counted(skipped.zero_area, "triangle") + ", because " + it_has(skipped.zero_area) + " no area");
   if (skipped.out_of_range > 0)
@@ -103,7 +104,7 @@ std::string build_report_text(const BuildRunReport& r, const BuildSettings& sett
           " by " + counted(static_cast<std::uint64_t>(r.threads), "thread") + ": " + bytes_text(r.bytes);
   if (r.build.peak_bytes > 0) text += ", " + bytes_text(r.build.peak_bytes) + " while building";
   text += "\n" + phases_text(r.build);
-  text += references_text(r.build) + quality_text(r.facts) + left_out_text(r.build.skipped);
+  text += references_text(r.build) + quality_text(r.facts) + left_out_text(r.skipped_faces, r.build.skipped);
   if (settings.explain) text += notes_text(r.build.notes);
   if (settings.stats) {
     text += arrays_text(r.facts);
@@ -132,6 +133,7 @@ std::string build_report_json(const BuildRunReport& r, const BuildSettings& sett
               {"triangles", r.build.triangles},
               {"references", r.build.references},
               {"skipped", {{"zero_area", r.build.skipped.zero_area}, {"out_of_range", r.build.skipped.out_of_range}}}};
+  row["skipped"]["faces"] = r.skipped_faces;
   for (const BuildPhase& phase : r.build.phases) row["phases"][phase.name] = phase.seconds;
   if (r.facts.depth) row["depth"] = *r.facts.depth;
   if (r.facts.resolution) row["resolution"] = *r.facts.resolution;

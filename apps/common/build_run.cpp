@@ -34,6 +34,7 @@ std::map<std::string, std::string> option_texts(const BuildOptions& options) {
           {"max_references", text(options.max_references)}};
 }
 
+// What was built, not how the build went: times and peaks of memory would make other bytes of the same structure each time.
 AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const StructureFacts& facts, const BuildOptions& options) {
   AccelMetadata metadata;
   metadata.structure = accel.method().structure;
@@ -41,12 +42,10 @@ AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const Struc
   metadata.scene = scene.name;
   metadata.options = option_texts(options);
   const BuildReport& report = accel.report();
-  metadata.statistics = {{"build_seconds", report.seconds},
-                         {"triangles", static_cast<double>(report.triangles)},
+  metadata.statistics = {{"triangles", static_cast<double>(report.triangles)},
                          {"references", static_cast<double>(report.references)},
                          {"skipped_zero_area", static_cast<double>(report.skipped.zero_area)},
-                         {"skipped_out_of_range", static_cast<double>(report.skipped.out_of_range)},
-                         {"peak_bytes", static_cast<double>(report.peak_bytes)}};
+                         {"skipped_out_of_range", static_cast<double>(report.skipped.out_of_range)}};
   if (facts.sah_cost) metadata.statistics["sah_cost"] = *facts.sah_cost;
   metadata.cameras = scene.data.cameras;
   metadata.light = scene.data.light;
@@ -90,6 +89,7 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
                         settings.builder,
                         accel->method().structure,
                         scene->triangles().size(),
+                        scene->skipped_faces,
                         scene->data.size_bytes(),
                         accel->size_bytes(),
                         scene->load_seconds,

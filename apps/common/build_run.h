@@ -13,7 +13,7 @@ namespace accel::apps {
 
 struct BuildRunReport {
   std::string scene, builder, structure;
-  std::uint64_t triangles = 0, mesh_bytes = 0, bytes = 0;
+  std::uint64_t triangles = 0, skipped_faces = 0, mesh_bytes = 0, bytes = 0;
   double load_seconds = 0;
   int threads = 0;
   BuildReport build;

@@ -92,7 +92,8 @@ Outcome<MethodSet> prepare_methods(const Scene& scene, const TraceSettings& sett
     auto accel = scene.stored ? bind_stored(scene, method) : build(scene, method, settings, bar);
     if (!accel) return accel.failure();
     member_of_builder[method.builder] = set.members.size();
-    set.structures.push_back({method.builder, accel->report().seconds, accel->size_bytes(), accel->report(),
+    const double build_seconds = scene.stored ? 0 : accel->report().seconds;  // files hold no times
+    set.structures.push_back({method.builder, build_seconds, accel->size_bytes(), accel->report(),
                               facts_of(accel->structure(), settings.build, Detail::quick)});
     set.members.push_back({*std::move(accel), set.structures.size() - 1});
   }

@@ -68,7 +68,6 @@ Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
   auto structure = read_structure(*file, metadata->structure);
   if (!structure) return structure.error();
   BuildReport report;
-  report.seconds = statistic(*metadata, "build_seconds");
   report.triangles = static_cast<std::uint64_t>(statistic(*metadata, "triangles"));
   report.references = static_cast<std::uint64_t>(statistic(*metadata, "references"));
   Scene scene;
@@ -80,9 +79,9 @@ Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
 }
 
 Outcome<Scene> open_scene_file(const std::string& path, const Progress& progress) {
-  auto data = load_scene(path, {progress});
-  if (!data) return data.error();
   Scene scene;
+  auto data = load_scene(path, {progress, &scene.skipped_faces});
+  if (!data) return data.error();
   scene.data = *std::move(data);
   scene.facts = mesh_facts(scene.triangles());
   return scene;

@@ -26,6 +26,7 @@ struct Scene {
   SceneData data;                         // without a mesh, where none is needed
   MeshFacts facts;                        // of the mesh, in any case
   std::optional<StoredStructure> stored;  // of a .accel file
+  std::uint64_t skipped_faces = 0;        // of a scene file: those with fewer than three corners
   double load_seconds = 0;
 
   TriangleSource triangles() const { return data.triangles(); }

@@ -48,7 +48,9 @@ void add_facts(Json& json, const StructureFacts& facts) {
 }
 
 Json structure_json(const StructureRow& row) {
-  Json json = {{"name", row.name}, {"build_seconds", row.build_seconds}, {"bytes", row.bytes}};
+  Json json = {{"name", row.name}};
+  if (row.build_seconds > 0) json["build_seconds"] = row.build_seconds;
+  json["bytes"] = row.bytes;
   if (row.report.references == 0) return json;
   json["triangles"] = row.report.triangles;
   json["references"] = row.report.references;
@@ -245,7 +247,7 @@ Json row_json(const TraceRow& row, const TraceReport& report, const TraceSetting
   if (row.check) add_check(json, *row.check);
   const StructureRow& structure = report.structures[row.structure];
   json["structure"] = structure.name;
-  json["build_seconds"] = structure.build_seconds;
+  if (structure.build_seconds > 0) json["build_seconds"] = structure.build_seconds;
   json["bytes"] = structure.bytes;
   if (report.triangles > 0)
     json["bytes_per_triangle"] = static_cast<double>(structure.bytes) / static_cast<double>(report.triangles);

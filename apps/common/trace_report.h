@@ -28,7 +28,7 @@ struct Skip {
 // A structure that was built, or the witness's.
 struct StructureRow {
   std::string name;
-  double build_seconds = 0;
+  double build_seconds = 0;  // 0: read from a file
   std::uint64_t bytes = 0;
   BuildReport report;
   StructureFacts facts;

@@ -50,8 +50,8 @@ class TraceRun {
     if (!maker) return maker.failure();
     report_.camera = maker->camera();
     for (const StructureRow& row : set->structures)
-      terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) + ", " +
-                       seconds_text(row.build_seconds));
+      terminal_.detail((scene_.stored ? "read " : "built ") + row.name + ": " + bytes_text(row.bytes) +
+                       (row.build_seconds > 0 ? ", " + seconds_text(row.build_seconds) : ""));
     auto checker = Checker::create(scene_, settings_, embree_, bar_, report_.skipped);
     if (!checker) return checker.failure();
     auto rivals = make_rivals(embree_, settings_, report_.skipped);
@@ -77,9 +77,12 @@ class TraceRun {
     report_.threads = settings_.common.threads > 0 ? settings_.common.threads : tbb::info::default_concurrency();
   }
 
-  // Triangles that builders drop: never silently.
+  // Faces and triangles that loaders and builders drop: never silently.
   void describe_skipped_triangles() {
     const MeshFacts& facts = scene_.facts;
+    if (scene_.skipped_faces > 0)
+      report_.skipped.push_back(
+          {counted(scene_.skipped_faces, "face"), it_has(scene_.skipped_faces) + " fewer than three corners"});
     if (facts.zero_area > 0)
       report_.skipped.push_back({counted(facts.zero_area, "triangle"), it_has(facts.zero_area) + " no area"});
     if (facts.out_of_range > 0)

@@ -7,7 +7,10 @@
 namespace accel {
 
 void FaceList::add(std::span<const std::uint32_t> corners) {
-  if (corners.size() < 3) return;
+  if (corners.size() < 3) {
+    ++skipped_;
+    return;
+  }
   if (corners.size() != 3 && counts_.empty()) counts_.assign(corners_.size() / 3, 3);
   if (corners.size() != 3 || !counts_.empty()) counts_.push_back(static_cast<std::uint32_t>(corners.size()));
   corners_.insert(corners_.end(), corners.begin(), corners.end());

@@ -10,6 +10,7 @@
 // states are compared with its size first.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "libaccel/core/progress.h"
@@ -19,6 +20,7 @@ namespace accel {
 
 struct LoadOptions {
   Progress progress;
+  std::uint64_t* skipped_faces = nullptr;  // faces with fewer than three corners are counted here, if somewhere
 };
 
 // Whether the name ends like a scene file's: .obj, .ply, .obj.zst or .ply.zst.

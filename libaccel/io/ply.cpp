@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kItemsBetweenTicks = 1 << 16;  // and in a parallel chunk
 constexpr std::uint32_t kNoIndex = 0xffffffffu;
-constexpr char kEndsEarly[] = "the file ends early, or no number stands here";
+constexpr char kEndsEarly[] = "the line or the file ends early, or no number stands here";
 
 // How an item of fixed size lies in a binary file: where its numbers are.
 struct Field {
@@ -65,8 +65,8 @@ std::string bad_index(double number, std::uint64_t vertices) {
 
 class PlyReader {
  public:
-  PlyReader(std::span<const std::byte> bytes, const std::string& name, const Progress& progress)
-      : bytes_(bytes), name_(name), ticker_(progress, "read") {}
+  PlyReader(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options)
+      : bytes_(bytes), name_(name), options_(options), ticker_(options.progress, "read") {}
 
   Result<TriangleMesh> read();
 
@@ -84,6 +84,8 @@ class PlyReader {
   Status read_corners(Cursor& cursor, const PlyElement& element, std::uint64_t i);
   template <class Cursor>
   bool skip_property(Cursor& cursor, const PlyProperty& property);
+  template <class Cursor>
+  Status end_item(Cursor& cursor, const PlyElement& element, std::uint64_t i);
 
   // The fast paths of binary files.
   Status read_fixed_vertices(PlyBinaryCursor& cursor, const PlyElement& element);
@@ -98,6 +100,7 @@ class PlyReader {
 
   std::span<const std::byte> bytes_;
   const std::string& name_;
+  const LoadOptions& options_;
   ProgressTicker ticker_;
   PlyHeader header_;
   int coordinates_[3] = {-1, -1, -1};  // properties of `vertex`
@@ -123,6 +126,7 @@ Result<TriangleMesh> PlyReader::read() {
 
   Result<Buffer<IndexTriple>> triangles = faces_.triangulate(run_, vertices_.span(), name_);
   if (!triangles) return triangles.error();
+  if (options_.skipped_faces != nullptr) *options_.skipped_faces += faces_.skipped();
   return TriangleMesh{std::move(vertices_), *std::move(triangles)};
 }
 
@@ -161,6 +165,8 @@ Status PlyReader::read_elements(Cursor cursor) {
                                                                 std::to_string(cursor.remaining()) + " more bytes");
     if (Status status = read_element(cursor, element); !status) return status;
   }
+  if (cursor.remaining() > 0)
+    return cursor.error("after the last element", std::to_string(cursor.remaining()) + " bytes that belong to none");
   return Done{};
 }
 
@@ -182,7 +188,7 @@ Status PlyReader::read_element(Cursor& cursor, const PlyElement& element) {
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties)
       if (!skip_property(cursor, property)) return cursor.error(item_name(element, i), kEndsEarly);
-    if (i % kItemsBetweenTicks == 0 && !ticker_.tick(cursor.fraction())) return interrupted();
+    if (Status status = end_item(cursor, element, i); !status) return status;
   }
   return Done{};
 }
@@ -193,6 +199,13 @@ bool PlyReader::skip_property(Cursor& cursor, const PlyProperty& property) {
   if (property.count_type && !cursor.number(*property.count_type, count)) return false;
   return count >= 0 && count <= static_cast<double>(cursor.room(property.type)) &&
          cursor.skip(property.type, static_cast<std::uint64_t>(count));
+}
+
+template <class Cursor>
+Status PlyReader::end_item(Cursor& cursor, const PlyElement& element, std::uint64_t i) {
+  if (!cursor.end_item()) return cursor.error(item_name(element, i), "the line goes on behind its last number");
+  if (i % kItemsBetweenTicks == 0 && !ticker_.tick(cursor.fraction())) return interrupted();
+  return Done{};
 }
 
 template <class Cursor>
@@ -209,7 +222,7 @@ Status PlyReader::read_vertices(Cursor& cursor, const PlyElement& element) {
       if (axis >= 0) position[axis] = static_cast<float>(value);
     }
     vertices_[i] = position;
-    if (i % kItemsBetweenTicks == 0 && !ticker_.tick(cursor.fraction())) return interrupted();
+    if (Status status = end_item(cursor, element, i); !status) return status;
   }
   return Done{};
 }
@@ -226,7 +239,7 @@ Status PlyReader::read_faces(Cursor& cursor, const PlyElement& element, std::uin
       }
     }
     faces_.add(corners_);
-    if (i % kItemsBetweenTicks == 0 && !ticker_.tick(cursor.fraction())) return interrupted();
+    if (Status status = end_item(cursor, element, i); !status) return status;
   }
   return Done{};
 }
@@ -337,7 +350,7 @@ std::uint64_t PlyReader::convert_triangles(const std::byte* first, std::size_t s
 }  // namespace
 
 Result<TriangleMesh> parse_ply(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options) {
-  return PlyReader(bytes, name, options.progress).read();
+  return PlyReader(bytes, name, options).read();
 }
 
 }  // namespace accel

@@ -2,10 +2,14 @@
 //
 // A cursor has
 //
-//   bool number(PlyType, double&)              the next number; false at the end of the file or where there is no number
+//   bool number(PlyType, double&)              the next number; false at the end of the line or file, and for other words
 //   bool skip(PlyType, std::uint64_t n)        passes over n numbers
+//   bool end_item()                            whether an item may end here: in text, at the end of a line, which is passed
 //   std::uint64_t room(PlyType) const          how many numbers of a type can follow at most
+//   std::uint64_t remaining() const            bytes that follow
 //   Error error(item, what) const              names the file, the place and the item
+//
+// A line of text is an item: all its numbers and nothing else. Blank lines are passed over.
 #pragma once
 
 #include <algorithm>
@@ -56,6 +60,8 @@ class PlyBinaryCursor {
   bool skip(PlyType type, std::uint64_t n) { return n <= room(type) && skip_bytes(n * size_of(type)); }
   std::uint64_t room(PlyType type) const { return remaining() / size_of(type); }
 
+  bool end_item() { return true; }
+
   Error error(const std::string& item, const std::string& what) const {
     return Error{name_ + ": " + item + " at byte " + std::to_string(offset_) + ": " + what};
   }
@@ -76,11 +82,14 @@ class PlyBinaryCursor {
 class PlyAsciiCursor {
  public:
   PlyAsciiCursor(std::span<const std::byte> bytes, std::size_t offset, const std::string& name)
-      : begin_(reinterpret_cast<const char*>(bytes.data())), here_(begin_ + offset), end_(begin_ + bytes.size()), name_(name) {}
+      : begin_(reinterpret_cast<const char*>(bytes.data())), here_(begin_ + offset), end_(begin_ + bytes.size()), name_(name) {
+    skip_blank_lines();
+  }
 
   bool number(PlyType type, double& value) {
     skip_blanks();
-    const char* first = here_ != end_ && *here_ == '+' ? here_ + 1 : here_;
+    const bool has_plus = end_ - here_ > 1 && here_[0] == '+' && here_[1] != '-';
+    const char* first = here_ + has_plus;
     // A float is rounded once, from its digits.
     float single = 0;
     std::from_chars_result parsed =
@@ -91,7 +100,7 @@ class PlyAsciiCursor {
       parsed = std::from_chars(first, end_, wide);
       value = type == PlyType::float32 ? static_cast<float>(wide) : static_cast<double>(wide);
     }
-    if (parsed.ec != std::errc() || (parsed.ptr != end_ && !is_blank(*parsed.ptr))) return false;
+    if (parsed.ec != std::errc() || (parsed.ptr != end_ && !is_blank(*parsed.ptr) && !is_line_end(*parsed.ptr))) return false;
     here_ = parsed.ptr;
     return true;
   }
@@ -99,9 +108,16 @@ class PlyAsciiCursor {
   bool skip(PlyType, std::uint64_t n) {
     for (; n > 0; --n) {
       skip_blanks();
-      if (here_ == end_) return false;
-      while (here_ != end_ && !is_blank(*here_)) ++here_;
+      if (at_line_end()) return false;
+      while (!at_line_end() && !is_blank(*here_)) ++here_;
     }
+    return true;
+  }
+
+  bool end_item() {
+    skip_blanks();
+    if (!at_line_end()) return false;
+    skip_blank_lines();
     return true;
   }
 
@@ -116,9 +132,14 @@ class PlyAsciiCursor {
   double fraction() const { return static_cast<double>(here_ - begin_) / (end_ - begin_); }
 
  private:
-  static bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
+  static bool is_blank(char c) { return c == ' ' || c == '\t'; }
+  static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+  bool at_line_end() const { return here_ == end_ || is_line_end(*here_); }
   void skip_blanks() {
     while (here_ != end_ && is_blank(*here_)) ++here_;
+  }
+  void skip_blank_lines() {
+    while (here_ != end_ && (is_blank(*here_) || is_line_end(*here_))) ++here_;
   }
 
   const char* begin_;

@@ -36,7 +36,7 @@ struct AccelMetadata {
   std::string builder;                         // Builder::kName
   std::string scene;                           // as the user named it
   std::map<std::string, std::string> options;  // of the build, by name
-  std::map<std::string, double> statistics;    // build_seconds, sah_cost, …
+  std::map<std::string, double> statistics;    // triangles, sah_cost, …
   std::vector<CameraDescription> cameras;
   std::optional<LightDescription> light;
 };

@@ -47,7 +47,6 @@ Status caught(const Body& body) {
     body();
     return Done{};
   } catch (const DeviceFailure& failure) {
-    cudaGetLastError();  // so that later calls do not report this error again
     return failure.error;
   } catch (const std::bad_alloc&) {
     return Error{"out of memory"};

@@ -63,6 +63,7 @@ Result<float> time_launch(LaunchFunction function, const Launch& launch) {
 Result<DeviceInfo> cuda_device_info() {
   int count = 0, device = 0;
   if (const cudaError_t code = cudaGetDeviceCount(&count); code != cudaSuccess || count == 0) {
+    cudaGetLastError();  // which forgets it
     return Error{"no CUDA device: " + std::string(code == cudaSuccess ? "none is visible" : cudaGetErrorString(code))};
   }
   cudaDeviceProp properties;
@@ -156,6 +157,8 @@ Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, c
                       .in_flight = &in_flight,
                       .packet_block = options.packet_block,
                       .packet_queues = options.packet_queues};
+  // Bytes that no answer has: what a kernel leaves out must not look like an answer of the trace before.
+  if (const Status s = query == Query::any ? b.occluded.fill_bytes(0xff) : b.hits.fill_bytes(0xff); !s) return s.error();
   std::vector<float> times;
   const int repeat = std::max(options.repeat, 1);
   for (int i = -std::max(options.warm_up, 0); i < repeat; ++i) {

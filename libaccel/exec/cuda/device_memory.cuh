@@ -14,7 +14,9 @@
 
 namespace accel::cuda {
 
+// The error of a call that failed. The run-time forgets it, or the next launch would report it as its own.
 inline Error cuda_error(cudaError_t code, const char* call) {
+  cudaGetLastError();
   return Error{"CUDA: " + std::string(cudaGetErrorString(code)) + " (" + cudaGetErrorName(code) + ") in " + call};
 }
 
@@ -64,6 +66,12 @@ class DeviceArray {
     if (!array || values.empty()) return array;
     ACCEL_CUDA_TRY(cudaMemcpy(array->data_, values.data(), values.size_bytes(), cudaMemcpyHostToDevice));
     return array;
+  }
+
+  // In the order of the work in the default stream, without waiting.
+  Status fill_bytes(std::uint8_t byte) {
+    if (size_ != 0) ACCEL_CUDA_TRY(cudaMemsetAsync(data_, byte, size_ * sizeof(T)));
+    return Done{};
   }
 
   // Copies all elements to the host; the span has this array's size.

@@ -113,7 +113,9 @@ TEST(CudaPrimitivesOnTheHost, WithoutADeviceArraysSayWhy) {
 TEST(CudaPrimitives, TooMuchMemoryIsAnErrorThatPasses) {
   ACCEL_SKIP_WITHOUT_DEVICE();
   EXPECT_FALSE(caught([] { ScratchArray<int> array(std::size_t{1} << 60); }).ok());
-  EXPECT_EQ(cudaGetLastError(), cudaSuccess);
+  EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess);
+  EXPECT_FALSE(DeviceArray<int>::allocate(std::size_t{1} << 60).ok());
+  EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess);
   expect_done([] { ScratchArray<int> array(3); });
 }
 

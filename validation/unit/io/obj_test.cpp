@@ -71,6 +71,36 @@ TEST(Obj, BlanksLineEndsAndComments) {
   EXPECT_EQ(parsed(std::string(kSquare) + "f 1 2 3").size(), 1u);  // no line end at all
 }
 
+TEST(Obj, LinesAreContinued) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const std::string text = "v 0 0 \\" + end + "0" + end + "v\\" + end + "1 0 0" + end + "# a path\\" + end + "v 0 1 0 # \\" +
+                             end + "f 1 \\" + end + "\\" + end + "2 3" + end;
+    const TriangleMesh mesh = parsed(text);
+    ASSERT_EQ(mesh.vertices.size(), 3u);
+    EXPECT_EQ(mesh.vertices[1], (Vec3{1, 0, 0}));
+    ASSERT_EQ(mesh.size(), 1u);
+    expect_triangle(mesh, 0, 0, 1, 2);
+    expect_error(text + "f 1 2 4" + end, "a.obj:10: a face names vertex 4");
+    expect_error(text + "f 1 2 x\\" + end, "a.obj:11: 'x' is not a face's corner");
+    expect_error(text + "f 1 2 x" + end, "a.obj:10: 'x' is not a face's corner");
+  }
+  EXPECT_EQ(parsed("v 0 0 0\no an object called \\\nv\n").vertices.size(), 1u);
+  expect_error("v 0 0 \\ \n0\n", "a.obj:1: '\\' is not a number");
+}
+
+TEST(Obj, AByteOrderMarkIsPassedOver) {
+  const TriangleMesh mesh = parsed(std::string("\xef\xbb\xbf") + kSquare + "f 1 2 3\n");
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+  EXPECT_EQ(mesh.size(), 1u);
+}
+
+TEST(Obj, FacesWithoutTrianglesAreCounted) {
+  std::uint64_t skipped = 0;
+  const std::string text = std::string(kSquare) + "f 1 2 3\nf 1 2\nf 1 # 2 3\n";
+  ASSERT_TRUE(parse_obj(std::as_bytes(std::span(text)), "a.obj", {.skipped_faces = &skipped}));
+  EXPECT_EQ(skipped, 2u);
+}
+
 TEST(Obj, WeightsAndColoursArePassedOver) {
   const TriangleMesh mesh = parsed("v 1 2 3 0.5\nv 4 5 6 0.1 0.2 0.3\nv 7 8 9\n");
   ASSERT_EQ(mesh.vertices.size(), 3u);
@@ -107,7 +137,19 @@ TEST(Obj, ErrorsNameTheLine) {
   expect_error("PK\x03\x04 this is a zip file", "neither vertices nor faces");
   expect_error("v 0 0 0\nv 1 two 0\n", "a.obj:2: 'two' is not a number");
   expect_error("v 0 0 0\r\nv 1 0\r\n", "a.obj:2: a vertex needs three numbers");
+  expect_error("v 0 0 0\no v\n v\nv 1 0 0\n", "a.obj:3: a vertex needs three numbers");
+  expect_error("v 0 0 0\nv", "a.obj:2: a vertex needs three numbers");
   expect_error("v 1,5 0 0\n", "a.obj:1: '1,5' is not a number");
+  expect_error("v 1.2.3 0 0\n", "a.obj:1: '1.2.3' is not a number");
+  expect_error("v 5-2 0 0\n", "a.obj:1: '5-2' is not a number");
+  expect_error("v 1e 0 0\n", "a.obj:1: '1e' is not a number");
+  expect_error("v +-1 0 0\n", "a.obj:1: '+-1' is not a number");
+  expect_error("v 1e999x 0 0\n", "a.obj:1: '1e999x' is not a number");
+  expect_error(square + "f 1-2 2 3\n", "a.obj:5: '1-2' is not a face's corner");
+  expect_error(square + "f 1 2 3/1-2\n", "a.obj:5: '3/1-2' is not a face's corner");
+  expect_error(square + "f 1 2 3/1/1/1\n", "a.obj:5: '3/1/1/1' is not a face's corner");
+  expect_error(square + "f 1 2 /3\n", "a.obj:5: '/3' is not a face's corner");
+  expect_error(square + "f 1 2 -\n", "a.obj:5: '-' is not a face's corner");
   expect_error(square + "f 1 2 5\n", "a.obj:5: a face names vertex 5");
   expect_error(square + "f 1 2 0\n", "a.obj:5: a face names vertex 0");
   expect_error(square + "f 1 2 -5\nf 1 2 3\n", "a.obj:5: a face names vertex -5 of 4");

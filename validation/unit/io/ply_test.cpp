@@ -195,7 +195,10 @@ TEST(Ply, ErrorsInTheBody) {
   expect_error(ascii + "3 0 1 2\n-3 0 1 2\n", "face 1: has a list of negative or broken length");
   expect_error(ascii + "3 0 1 2\n999999999 0 1 2\n", "face 1: has more corners");
   expect_error(ascii + "3 0 1 2\n3 0 2\n", "face 1");
-  expect_error(ascii + "3 0 1 2\n3 0 2 x\n", "a.ply:16: face 1: the file ends early, or no number stands here");
+  expect_error(ascii + "3 0 1 2\n3 0 2 +-3\n", "a.ply:16: face 1");
+  expect_error(header("ascii", kXyz, kList, 1, 0) + "0 1.2.3 5\n", "a.ply:11: vertex 0");
+  expect_error(header("ascii", kXyz, kList, 1, 0) + "0 5-2 5\n", "a.ply:11: vertex 0");
+  expect_error(ascii + "3 0 1 2\n3 0 2 x\n", "a.ply:16: face 1: the line or the file ends early, or no number stands here");
   expect_error(header("ascii", kXyz, kList, 4000000000) + "0 0 0\n", "says that it has 4000000000 items");
   expect_error(header("ascii", kXyz, kList, 5000000000) + "0 0 0\n", "more than 32 bits count");
 
@@ -213,6 +216,54 @@ TEST(Ply, ErrorsInTheBody) {
   expect_error(header("binary_little_endian", kXyz, kList, 4294967290u) + square().text(), "items, but the file ends after");
   expect_error(header("binary_little_endian", kXyz, kList, 4, 18446744073709551615u) + square().text(),
                "18446744073709551615 items");
+}
+
+TEST(Ply, ItemsOfAsciiAreLines) {
+  const std::string body = "\n0 0 5 \r\n1 0 5\t\r\n \r\n1 1 5\r\n0 1 5\r\n";
+  expect_square(parse(header("ascii", kXyz, kList) + body + "3 0 1 2 \n\n3 0 2 3 \n \t\r\n\n"));
+
+  const std::string square = header("ascii", kXyz, kList) + "0 0 5\n1 0 5\n1 1 5\n0 1 5\n";
+  const std::string head = header("ascii", kXyz, kList);
+  expect_error(head + "0 0 5\n1 0\n1 1 5\n0 1 5\n3 0 1 2\n3 0 2 3\n", "a.ply:12: vertex 1: the line or the file ends early");
+  expect_error(head + "0 0 5\n1 0 5 7\n1 1 5\n0 1 5\n3 0 1 2\n3 0 2 3\n", "a.ply:12: vertex 1: the line goes on");
+  expect_error(square + "3 0 1\n2\n3 0 2 3\n", "a.ply:15: face 0: the line or the file ends early");
+  expect_error(square + "3 0 1 2 3\n3 0 2 3\n", "a.ply:15: face 0: the line goes on");
+  expect_error(square + "3 0 1 2 3 0 2 3\n", "a.ply:15: face 0: the line goes on");
+
+  const auto with_edges = [](std::string_view edges) {
+    return header("ascii", kXyz, std::string(kList) + "element edge 2\nproperty int a\nproperty list uchar int b\n", 1, 0) +
+           "0 0 0\n" + std::string(edges);
+  };
+  EXPECT_TRUE(parse(with_edges("1 2 8 9\r\n1 0"))) << parse(with_edges("1 2 8 9\r\n1 0")).message();
+  expect_error(with_edges("1 2 8\n9\n1 0"), "a.ply:15: edge 0: the line or the file ends early");
+  expect_error(with_edges("1 2 8 9 1\n1 0"), "a.ply:15: edge 0: the line goes on");
+}
+
+TEST(Ply, FacesWithoutTrianglesAreCounted) {
+  std::uint64_t skipped = 0;
+  const std::string ascii = header("ascii", kXyz, kList, 4, 3) + "0 0 5\n1 0 5\n1 1 5\n0 1 5\n2 0 1\n4 0 1 2 3\n0\n";
+  expect_square(parse_ply(std::as_bytes(std::span(ascii)), "a.ply", {.skipped_faces = &skipped}));
+  EXPECT_EQ(skipped, 2u);
+
+  Bytes body = square();
+  body.add(std::uint8_t{3}).add(0).add(1).add(2).add(std::uint8_t{1}).add(0).add(std::uint8_t{3}).add(0).add(2).add(3);
+  const std::string binary = header("binary_little_endian", kXyz, kList, 4, 3) + body.text();
+  expect_square(parse_ply(std::as_bytes(std::span(binary)), "a.ply", {.skipped_faces = &skipped}));
+  EXPECT_EQ(skipped, 3u);
+}
+
+TEST(Ply, NothingFollowsTheLastElement) {
+  expect_error(header("ascii", kXyz, kList, 4, 1) + "0 0 5\n1 0 5\n1 1 5\n0 1 5\n3 0 1 2\n3 0 2 3\n",
+               "a.ply:16: after the last");
+  expect_error(header("ascii", kXyz, kList, 1, 0) + "0 0 5\n\n  end", "a.ply:13: after the last element: 3 bytes");
+  for (const int faces : {1, 2}) {
+    Bytes body = square();
+    for (int i = 0; i < 2; ++i) body.add(std::uint8_t{3}).add(0).add(i + 1).add(i + 2);
+    const std::string text = header("binary_little_endian", kXyz, kList, 4, faces) + body.text();
+    if (faces == 1) expect_error(text, "after the last element");
+    if (faces == 2) expect_error(text + "\n", "after the last element");
+    if (faces == 2) expect_square(parse(text));
+  }
 }
 
 // A file that ends anywhere, or has any byte changed, is an error or a mesh; never more.
