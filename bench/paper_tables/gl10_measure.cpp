@@ -203,7 +203,7 @@ Result<SceneResult> measure(const SceneFigures& figures, const Settings& setting
   const auto scene = load(figures.scene, settings);
   if (!scene) return scene.error();
   const TriangleMesh& mesh = scene->data.mesh;
-  const auto tree = make_tree(mesh, "sbvh", {.threads = settings.threads});
+  const auto tree = make_tree(mesh, "sbvh", {.threads = settings.threads, .spatial_overlap = 1e-5f, .reinsertion_rounds = 0});
   if (!tree) return tree.error();
   auto primary = primary_rays(scene->data, settings.size, PixelOrder::z_curve);
   if (!primary) return primary.error();

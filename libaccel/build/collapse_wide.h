@@ -9,11 +9,10 @@
 // Deviations. A leaf costs by the block of four triangles that are tested at once, not by the triangle. Triangles that spatial
 // splits gave to several leaves that become one are in it once.
 //
-// Inner children follow each other in memory, and so do the leaves of one node: depth first, nodes and blocks.
+// Where nodes and blocks go, build/wide_layout.h says.
 //
-// Nothing here recurses by the depth of the tree. O(n); 36 bytes a binary node, and the nodes once more,
-// beside the two trees. The same bytes for any
-// number of threads.
+// Nothing here recurses by the depth of the tree. O(n), and 40 bytes a binary node beside the two trees and the layout.
+// Parallel, and the same bytes for any number of threads.
 #pragma once
 
 #include "libaccel/build/builder.h"

@@ -19,6 +19,10 @@
 
 namespace accel {
 
+// To choose an order by the widths of frustums: the size of the packets that have them, and what runs cost, as a factor.
+inline constexpr std::uint32_t kComparedSize = 64;
+inline constexpr double kCostOfRuns = 1.1;
+
 class BlockOrder {
  public:
   static constexpr int kKeyBits = 24;

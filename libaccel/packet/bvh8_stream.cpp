@@ -12,13 +12,11 @@ namespace accel {
 
 namespace {
 
-constexpr double kCostOfRuns = 1.1;          // of sorting by them, as a factor on the widths of frustums
-constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by their frustums
-// Trials: rays a way and time, and how much of a block they may take.
-constexpr std::size_t kMostTried = 1024, kLeastTried = 256, kShareOfTrials = 24;
-constexpr double kClearlyLess = 0.85;   // than the time of the way so far; a few rays make narrower packets than a block does
 constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: some rows of a picture
-constexpr std::uint16_t kMostBlocksPerTrial = 64;
+// Trials: places in a block where a packet is traced in each way, and how much of a block they may take.
+constexpr std::size_t kPlaces = 4, kShareOfTrials = 4;
+constexpr double kClearlyLess = 0.85;  // than the time of the way so far
+constexpr std::uint16_t kGrowthOfDistance = 4, kMostBlocksPerTrial = 64;
 constexpr std::uint8_t kRun = StreamPlan{}.run;
 
 // Seconds that the calling thread has worked, which others on the machine do not add to.
@@ -72,54 +70,76 @@ void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer
 template <class Answer>
 void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<Answer> answers) {
   StreamPlan plan = plan_.load(std::memory_order_relaxed);
-  std::size_t tried = 0;
-  if (plan.blocks_to_trial == 0 && rays.size() >= kShareOfTrials * kLeastTried) {
-    const Way before = plan.way;
-    tried = try_ways(rays, answers, plan);
-    plan.trial_distance = plan.way == before ? std::min<std::uint16_t>(2 * plan.trial_distance, kMostBlocksPerTrial) : 1;
-    plan.blocks_to_trial = plan.trial_distance;
-  }
+  const bool is_trial = plan.blocks_to_trial == 0 && rays.size() >= kOrdered;
   plan.blocks_to_trial -= plan.blocks_to_trial > 0 ? 1 : 0;
-  plan_.store(plan, std::memory_order_relaxed);
-  trace_in(plan.way, plan.run, rays.subspan(tried), answers.subspan(tried));
-}
-
-template <class Answer>
-std::size_t Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan) {
-  // The first trial decides; what confirms it may be short.
-  const std::size_t most = plan.trial_distance > 1 ? kLeastTried : kMostTried;
-  const std::size_t size = std::clamp(rays.size() / kShareOfTrials, kLeastTried, most);
-  order_.begin(rays.first(std::min(rays.size(), kOrdered)));
-  const double in_runs = make_packets(rays, kRun, kComparedSize), as_they_come = make_packets(rays, 0, kComparedSize);
-  plan.run = in_runs * kCostOfRuns < as_they_come ? kRun : 0;
-
-  // Twice each, for what is traced first finds the caches cold.
-  std::array<double, kWays> least;
-  least.fill(std::numeric_limits<double>::infinity());
-  std::size_t tried = 0;
-  for (int time = 0; time < 2; ++time)
-    for (std::size_t w = 0; w < kWays; ++w, tried += size) {
-      const double begin = thread_seconds();
-      trace_in(static_cast<Way>(w), plan.run, rays.subspan(tried, size), answers.subspan(tried, size));
-      least[w] = std::min(least[w], thread_seconds() - begin);
-    }
-  const auto best = std::min_element(least.begin(), least.end());
-  if (*best < kClearlyLess * least[static_cast<std::size_t>(plan.way)]) plan.way = static_cast<Way>(best - least.begin());
-  return tried;
-}
-
-template <class Answer>
-void Bvh8StreamTracer<Answer>::trace_in(Way way, std::uint32_t run, std::span<const Ray> rays, std::span<Answer> answers) {
-  if (way == Way::turns || rays.empty()) return trace_by_turns(rays, answers);
+  if (plan.way == Way::turns && !is_trial) {
+    plan_.store(plan, std::memory_order_relaxed);
+    return trace_by_turns(rays, answers);
+  }
+  if (is_trial && plan.trial_distance == 1) plan.run = better_run(rays);
   order_.begin(rays);
-  make_packets(rays, run, options_.max_size);
+  make_packets(rays, plan.run, options_.max_size);
+  const bool has_room = packets_.count() >= kShareOfTrials * kPlaces * kWays;
+  if (is_trial && has_room) try_ways(rays, answers, plan);
+  plan_.store(plan, std::memory_order_relaxed);
+  std::size_t next = 0;
+  for (std::size_t place = 0; is_trial && has_room && place < kPlaces; ++place) {
+    trace_packets(plan.way, next, first_of(place), rays, answers);
+    next = first_of(place) + kWays;
+  }
+  trace_packets(plan.way, next, packets_.count(), rays, answers);
+  begin_gathering();
+  packets_.for_each_left([&](std::uint32_t first, std::uint32_t end) { gather(first, end); });
+  trace_gathered(rays, answers);
+}
+
+template <class Answer>
+std::uint8_t Bvh8StreamTracer<Answer>::better_run(std::span<const Ray> rays) {
+  const auto some = rays.first(kOrdered);
+  order_.begin(some);
+  const double in_runs = make_packets(some, kRun, kComparedSize), as_they_come = make_packets(some, 0, kComparedSize);
+  return in_runs * kCostOfRuns < as_they_come ? kRun : 0;
+}
+
+template <class Answer>
+std::size_t Bvh8StreamTracer<Answer>::first_of(std::size_t place) const {
+  return (2 * place + 1) * packets_.count() / (2 * kPlaces);
+}
+
+template <class Answer>
+void Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan) {
+  std::array<double, kWays> seconds{}, count{};
+  for (std::size_t place = 0; place < kPlaces; ++place)
+    for (std::size_t i = 0; i < kWays; ++i) {
+      const std::size_t way = (place + i) % kWays, packet = first_of(place) + i;
+      const double begin = thread_seconds();
+      trace_packets(static_cast<Way>(way), packet, packet + 1, rays, answers);
+      seconds[way] += thread_seconds() - begin, count[way] += static_cast<double>(packets_.size_of(packet));
+    }
+  for (std::size_t way = 0; way < kWays; ++way) seconds[way] /= count[way];
+  const auto best = std::min_element(seconds.begin(), seconds.end());
+  const Way before = plan.way;
+  if (*best < kClearlyLess * seconds[static_cast<std::size_t>(before)]) plan.way = static_cast<Way>(best - seconds.begin());
+  plan.trial_distance =
+      plan.way == before ? std::min<std::uint16_t>(kGrowthOfDistance * plan.trial_distance, kMostBlocksPerTrial) : 1;
+  plan.blocks_to_trial = plan.trial_distance - 1u;
+}
+
+template <class Answer>
+void Bvh8StreamTracer<Answer>::trace_packets(Way way, std::size_t first, std::size_t end, std::span<const Ray> rays,
+                                             std::span<Answer> answers) {
   LocalizedBatch batch = packets_.batch({}, rays.data(), order_.ids().data());
-  batch.frustums = packets_.frustums().data();
-  if constexpr (kIsAnyHit)
+  batch.active += first, batch.count = end - first;
+  batch.frustums = packets_.frustums().data() + first;
+  if (way == Way::turns) {
+    begin_gathering();
+    for (std::size_t i = 0; i < batch.count; ++i) gather(batch.packets[batch.active[i]], batch.packets[batch.active[i] + 1]);
+    trace_gathered(rays, answers);
+  } else if constexpr (kIsAnyHit) {
     trace_bvh8_packets_simd(view_, batch, answers.data(), way == Way::packets_from_far_end);
-  else
+  } else {
     trace_bvh8_packets_simd(view_, batch, answers.data());
-  trace_left(rays, answers);
+  }
 }
 
 template <class Answer>
@@ -135,15 +155,12 @@ double Bvh8StreamTracer<Answer>::make_packets(std::span<const Ray> rays, std::ui
 }
 
 template <class Answer>
-void Bvh8StreamTracer<Answer>::trace_left(std::span<const Ray> rays, std::span<Answer> answers) {
-  left_.clear(), rays_left_.clear();
-  packets_.for_each_left([&](std::uint32_t first, std::uint32_t end) {
-    for (std::uint32_t i = first; i < end; ++i) left_.push_back(order_.ids()[i]);
-  });
-  for (const std::uint32_t id : left_) rays_left_.push_back(rays[id]);
-  answers_left_.resize(left_.size());
-  trace_by_turns(rays_left_, answers_left_);
-  for (std::size_t i = 0; i < left_.size(); ++i) answers[left_[i]] = answers_left_[i];
+void Bvh8StreamTracer<Answer>::trace_gathered(std::span<const Ray> rays, std::span<Answer> answers) {
+  gathered_rays_.clear();
+  for (const std::uint32_t id : gathered_) gathered_rays_.push_back(rays[id]);
+  gathered_answers_.resize(gathered_.size());
+  trace_by_turns(gathered_rays_, gathered_answers_);
+  for (std::size_t i = 0; i < gathered_.size(); ++i) answers[gathered_[i]] = gathered_answers_[i];
 }
 
 template class Bvh8StreamTracer<Hit>;

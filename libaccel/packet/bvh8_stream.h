@@ -3,8 +3,9 @@
 // Rays that run nearly as the ones before, as those of a picture or to a light, go in packets (packet/bvh8_packets_simd.h), in
 // the order of packet/block_order.h: runs of eight rays are sorted along a curve where that makes narrower frustums, as for a
 // picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). Rays that are alike need not
-// share their way, as those to triangles smaller than the distance between them: now and then a few are traced in all ways,
-// and the clock says which the next blocks go in. For any-hit queries these are three, since packets may begin at either end.
+// share their way, as those to triangles smaller than the distance between them: now and then some packets' rays are traced in
+// all ways, and the clock says which the others go in, and the next blocks. For any-hit queries these are three, since packets
+// may begin at either end.
 //
 // Hits are those of single rays, bit for bit, whatever the options. In the registry the method is a traverser that is
 // bvh8/ordered in all that concerns single rays: what counts their steps or models warps or streams sees that one.
@@ -57,14 +58,23 @@ class Bvh8StreamTracer {
   static constexpr std::size_t kWays = kIsAnyHit ? 3 : 2;
 
   void trace_alike(std::span<const Ray> rays, std::span<Answer> answers);
-  // Traces some rays in all ways, and plans the fastest. Returns how many.
-  std::size_t try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan);
-  void trace_in(Way way, std::uint32_t run, std::span<const Ray> rays, std::span<Answer> answers);
+  // For packets whose frustums are narrower.
+  std::uint8_t better_run(std::span<const Ray> rays);
+  // Traces packets in some places of the block, one in each way, and plans the fastest.
+  void try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan);
+  // The first packet of a place.
+  std::size_t first_of(std::size_t place) const;
+  // The rays of the block's packets [first, end).
+  void trace_packets(Way way, std::size_t first, std::size_t end, std::span<const Ray> rays, std::span<Answer> answers);
   void trace_by_turns(std::span<const Ray> rays, std::span<Answer> answers) const {
     trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(view_, rays, answers);
   }
-  // By turns, those of the order that no packet has.
-  void trace_left(std::span<const Ray> rays, std::span<Answer> answers);
+  // By turns, rays at places of the order.
+  void begin_gathering() { gathered_.clear(); }
+  void gather(std::uint32_t first, std::uint32_t end) {
+    for (std::uint32_t i = first; i < end; ++i) gathered_.push_back(order_.ids()[i]);
+  }
+  void trace_gathered(std::span<const Ray> rays, std::span<Answer> answers);
   // The rays in runs of so many, cut into packets with frustums. Returns how wide these are, summed over rays.
   double make_packets(std::span<const Ray> rays, std::uint32_t run, std::uint32_t size);
 
@@ -76,9 +86,9 @@ class Bvh8StreamTracer {
   // Of the block.
   BlockOrder order_;
   PacketSet<SerialPrimitives> packets_;
-  std::vector<std::uint32_t> left_;
-  std::vector<Ray> rays_left_;
-  std::vector<Answer> answers_left_;
+  std::vector<std::uint32_t> gathered_;
+  std::vector<Ray> gathered_rays_;
+  std::vector<Answer> gathered_answers_;
 };
 
 extern template class Bvh8StreamTracer<Hit>;

@@ -76,10 +76,8 @@ class PacketTracer {
 
   static constexpr std::uint32_t kBlocksPerTrial = 8, kMostBlocksPerTrial = 64;
   static constexpr std::uint32_t kTrialSize = 8192;
-  static constexpr double kCostOfRuns = 1.1;  // of sorting by them, as a factor on the widths of frustums
   // A step of a group costs as much as some two steps of single rays, and more where all rays are sorted.
   static constexpr std::uint64_t kLeastRaysInStep = 2, kLeastSortedRaysInStep = 3;
-  static constexpr std::uint32_t kComparedSize = 64;  // of packets, to compare orders by their frustums
 
   void trace_block(bool is_trial) {
     if (view_.octo_count == 0 || (way_ == Way::singly && !is_trial)) {
