@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "libaccel/core/float4_memory.h"
+#include "libaccel/core/float4_memory_simd.h"
 
 namespace accel {
 

@@ -153,8 +153,8 @@ std::optional<WideNodes> collapse_clusters(const ClusterTree& tree, const BuildO
 }
 
 std::uint64_t collapse_clusters_bytes(const ClusterTree& tree, const WideNodes& wide) {
-  return (tree.leaves - 1) * sizeof(WideForests) +
-         wide.nodes.size() * (sizeof(Bvh8Node) + 2 * sizeof(std::uint32_t) + sizeof(Family));
+  constexpr std::size_t kByCluster = sizeof(WideForests) + 2 * sizeof(std::uint32_t) + sizeof(Family);
+  return (tree.leaves - 1) * kByCluster + wide.nodes.size_bytes();
 }
 
 }  // namespace accel

@@ -52,16 +52,17 @@ class Chooser {
     const Bvh2Node& node = bvh_.nodes[ref];
     Aabb box = node.bounds(0);
     box.extend(node.bounds(1));
-    std::uint32_t size[2];
-    for (int c = 0; c < 2; ++c) size[c] = is_leaf(node.child[c]) ? leaf_size(node.child[c]) : triangles_[node.child[c]];
-    const auto forests_of = [&](int c) {
-      if (!is_leaf(node.child[c])) return forests_[node.child[c]];
-      return WideForests(leaf_cost(area_of(node.bounds(c)), size[c]));
-    };
+    std::uint32_t sum = 0;
+    WideForests forests[2];
+    for (int c = 0; c < 2; ++c) {
+      const std::uint32_t size = is_leaf(node.child[c]) ? leaf_size(node.child[c]) : triangles_[node.child[c]];
+      forests[c] = is_leaf(node.child[c]) ? WideForests(leaf_cost(area_of(node.bounds(c)), size)) : forests_[node.child[c]];
+      sum += size;
+    }
+    triangles_[ref] = sum;
     const float area = area_of(box);
-    const std::uint32_t sum = triangles_[ref] = size[0] + size[1];
     const bool fits = sum <= static_cast<std::uint32_t>(options_.max_leaf_size);
-    forests_[ref].choose(forests_of(0), forests_of(1), area * options_.traversal_cost,
+    forests_[ref].choose(forests[0], forests[1], area * options_.traversal_cost,
                          fits ? leaf_cost(area, sum) : std::numeric_limits<float>::infinity());
   }
 

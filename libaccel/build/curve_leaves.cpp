@@ -101,6 +101,8 @@ ClusterTree cut_into_leaves(BuildContext& context, const References& references,
   for (std::size_t chunk = 0; chunk < leaves.size(); ++chunk) first[chunk] = std::exchange(count, count + leaves[chunk].size());
   ClusterTree tree{Buffer<Cluster>(2 * count - 1), count, {}};
   context.memory.add(tree.clusters.size_bytes());
+  const std::size_t parts = count * sizeof(Cluster);  // which live as long as this function
+  context.memory.add(parts), context.memory.subtract(parts);
   tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t chunk) {
     std::copy(leaves[chunk].begin(), leaves[chunk].end(), tree.clusters.data() + first[chunk]);
   });

@@ -8,7 +8,7 @@
 
 #include "libaccel/build/build_context.h"
 #include "libaccel/core/buffer.h"
-#include "libaccel/core/float4_memory.h"
+#include "libaccel/core/float4_memory_simd.h"
 
 namespace accel {
 

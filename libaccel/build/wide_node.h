@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "libaccel/core/float4_memory.h"
+#include "libaccel/core/float4_memory_simd.h"
 #include "libaccel/structure/bvh8.h"
 
 namespace accel {

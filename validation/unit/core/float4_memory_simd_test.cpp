@@ -1,5 +1,5 @@
 // The functions for SSE2 have the bits of their portable twins.
-#include "libaccel/core/float4_memory.h"
+#include "libaccel/core/float4_memory_simd.h"
 
 #include <gtest/gtest.h>
 
