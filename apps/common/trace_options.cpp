@@ -116,7 +116,9 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->capture_default_str()
       ->type_name("N")
       ->group("Measuring and checking");
-  app.add_option("--check", raw.check, "embree (differences judged exactly), exact (all judged), or none")
+  app.add_option("--check", raw.check,
+                 "embree (what it agrees with is taken as right, but for a sample; all\nelse is judged exactly), exact (all "
+                 "judged), or none")
       ->capture_default_str()
       ->type_name("WHO")
       ->group("Measuring and checking");
@@ -378,6 +380,21 @@ Finished refuse_build_options(const CLI::App& app, const TraceSettings& settings
   return Done{};
 }
 
+// What a repro bundle repeats. Packets decide no hits unless something is wrong with them.
+std::vector<std::string> hit_options(const CLI::App& app) {
+  constexpr std::array<std::string_view, 5> kOthers = {"--seed", "--device", "--cell-fraction", "--packet-size",
+                                                       "--packet-block"};
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    const bool decides = option->get_group() == "Build" || std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
+    if (!decides || option->count() == 0) continue;
+    arguments.push_back(name);
+    for (const std::string& value : option->results()) arguments.push_back(value);
+  }
+  return arguments;
+}
+
 // A sweep measures a hundred configurations: fewer rays and runs, unless the user says so.
 void apply_sweep_defaults(const CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   const auto unless_given = [&](const char* flag, auto& value, auto standard) {
@@ -410,6 +427,7 @@ Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   settings.is_demo = app.count("SCENE") == 0;
   settings.check_given = app.count("--check") > 0;
   settings.build.threads = settings.common.threads;
+  settings.hit_options = hit_options(app);
   if (!settings.help.empty() || settings.list) return settings;
   if (auto done = refuse_build_options(app, settings); !done) return done.failure();
   if (settings.sweep) apply_sweep_defaults(app, settings, raw);

@@ -397,9 +397,11 @@ class TraceRun {
   void write_bundle(const Traced& traced, Checker& checker, TraceRow& row) {
     std::string stem = settings_.repro + "-" + row.method + "-" + row.rays_kind;
     std::replace(stem.begin() + static_cast<std::ptrdiff_t>(settings_.repro.size()), stem.end(), '/', '-');
+    std::vector<std::string> options = settings_.hit_options;
+    if (!row.test.empty()) options.insert(options.end(), {"--test", row.test});
     const auto written =
         checker.write_bundle(stem, traced.batch, traced.truth, traced.measured.answers, traced.testimony, *row.check,
-                             {settings_.common.command_line, scene_.name, row.method, traced.batch.query});
+                             {settings_.common.command_line, scene_.name, row.method, traced.batch.query, std::move(options)});
     if (written)
       row.repro = *written;
     else
