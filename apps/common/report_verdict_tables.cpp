@@ -68,7 +68,7 @@ void add_verdicts(HtmlTable& table, const ReportData& data, const std::string& k
     if (!needs_witness_row(rows, i)) continue;
     std::vector<HtmlCell> witness = verdict_cells(data, row, "embree_verdicts", "Embree robust");
     witness.push_back(words(""));
-    witness.push_back(ReportData::witness_wrong_cell(row));
+    witness.push_back(data.witness_wrong_cell(row));
     table.add_row(std::move(witness), "reference");
   }
 }
@@ -87,11 +87,12 @@ std::vector<HtmlCell> adjudication_cells(const ReportData& data, const Alike& al
 
 std::string verdicts_table(const ReportData& data) {
   HtmlTable table(
-      "<b>Verdicts.</b> Of the rays on which a method and the witness agree a sample is judged in exact arithmetic, of all "
-      "others "
-      "every one. <i>neighbour</i> and <i>edge</i> are answers within the proved bound of rounding; <i>miss</i>, <i>far</i> "
+      "<b>Verdicts.</b> Where there is a witness and it agrees, a hit is taken as right, and a sample is judged in exact "
+      "arithmetic; all else is judged. <i>neighbour</i> and <i>edge</i> are answers within the proved bound of rounding; "
+      "<i>miss</i>, <i>far</i> "
       "and "
-      "<i>false</i> are wrong. Where none is wrong, the rate is below 3/N with 95 % confidence.",
+      "<i>false</i> are wrong. Where none is wrong, the rate is below 3/N with 95 % confidence, N being the rays that were "
+      "judged or agree.",
       {{"engine", true},
        {"agree"},
        {"judged"},

@@ -104,6 +104,10 @@ Json verdicts_json(const Verdicts& v) {
 }
 
 void add_check(Json& json, const validation::CheckResult& check) {
+  const auto add_rate = [&](const std::string& name, const Verdicts& verdicts) {
+    const validation::Rate wrong = check.rate_of(verdicts.failures());
+    json[name] = wrong.per_million, json[name + "_bound95"] = wrong.bound95_per_million;  // NaN is null
+  };
   json["verdicts"] = verdicts_json(check.ours);
   json["unjudged"] = check.unjudged;
   if (check.has_witness) {
@@ -113,10 +117,9 @@ void add_check(Json& json, const validation::CheckResult& check) {
                             {"only_ours_right", a.only_ours_right},
                             {"only_embree_right", a.only_witness_right},
                             {"both_wrong", a.both_wrong}};
+    add_rate("embree_wrong_per_million", check.witness);
   }
-  const auto wrong = validation::rate(check.failures(), check.rays);
-  json["wrong_per_million"] = wrong.per_million;
-  json["wrong_per_million_bound95"] = wrong.bound95_per_million;
+  add_rate("wrong_per_million", check.ours);
   const auto& e = check.errors;
   if (e.samples > 0) {
     json["t_ulp"] = {{"mean", e.t_ulp_mean}, {"p50", e.t_ulp_p50}, {"p99", e.t_ulp_p99}, {"max", e.t_ulp_max}};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/common/rate_text.h"
 #include "apps/common/scaling.h"
 #include "apps/common/sweep.h"
 #include "apps/common/table.h"
@@ -157,16 +158,13 @@ std::string best_embree_section(const TraceReport& report, const Terminal& termi
          embree_legend(report.embree_rows(report.rows.front().rays_kind));
 }
 
-void add_verdict_row(Table& table, const std::string& kind, const std::string& engine, const Verdicts& v, std::uint64_t rays,
-                     const Terminal& terminal) {
+void add_verdict_row(Table& table, const std::string& kind, const std::string& engine, const Verdicts& v,
+                     const CheckResult& check, const Terminal& terminal) {
   const auto bad = [&](std::uint64_t count) {
     return count == 0 ? std::string("0") : terminal.styled(with_commas(count), Style::bad);
   };
-  const auto wrong = validation::rate(v.failures(), rays);
-  const std::string per_million =
-      v.failures() == 0 ? "< " + short_number(wrong.bound95_per_million) : short_number(wrong.per_million);
   table.add_row({kind, engine, with_commas(v.agree), with_commas(v.right), with_commas(v.neighbour), with_commas(v.edge),
-                 bad(v.miss), bad(v.far), bad(v.false_hit), per_million});
+                 bad(v.miss), bad(v.far), bad(v.false_hit), rate_text(check.rate_of(v.failures()))});
 }
 
 // Whether one line about the witness serves both. Methods that are judged by other truths have another witness.
@@ -194,12 +192,15 @@ std::string verdict_section(const TraceReport& report, const Terminal& terminal)
     if (row.check->limit_binds())
       limits += "  " + row.method + ", " + row.rays_kind + ": --judge-limit left " + counted(row.check->unjudged, "ray") +
                 " unjudged\n";
-    add_verdict_row(table, row.rays_kind, row.method, row.check->ours, row.rays, terminal);
+    add_verdict_row(table, row.rays_kind, row.method, row.check->ours, *row.check, terminal);
     if (row.check->has_witness && !(i + 1 < rows.size() && have_same_witness(row, *rows[i + 1])))
-      add_verdict_row(table, "", "Embree robust", row.check->witness, row.rays, terminal);
+      add_verdict_row(table, "", "Embree robust", row.check->witness, *row.check, terminal);
   }
+  const bool has_witness = std::any_of(rows.begin(), rows.end(), [](const TraceRow* row) { return row->check->has_witness; });
   return section(terminal,
-                 "Verdicts: of rays that agree with the witness a sample is judged exactly, of all others every one") +
+                 has_witness
+                     ? "Verdicts: agreement with the witness is taken as right, a sample of it judged; all else is judged"
+                     : "Verdicts: every ray is judged exactly") +
          table.text() + limits;
 }
 

@@ -166,6 +166,16 @@ test_mismatch_is_status_3() {
   ls accel-repro-*.txt accel-repro-*-rays.npy accel-repro-*.obj >/dev/null || fail "the repro bundle is not there"
 }
 
+# The bundle's own command finds the failures again: with the test, the scene's seed and the builds' options.
+test_repro_bundle_reproduces() {
+  expect 3 trace builtin:soup:3000 --seed 7 --test moeller-trumbore --rays edge --count 50000 --max-leaf-size 2 --repro "it's wrong"
+  local again
+  again=$(sed -n 's/^again *accel-trace //p' "it's wrong"*.txt)
+  echo "$again" >again
+  for option in "--seed 7" "--test moeller-trumbore" "--max-leaf-size 2"; do says again "$option"; done
+  expect 3 eval "trace $again"; grep -qE "(1 ray of 1|([0-9]+) rays of \2) wrong" out || fail "not all are wrong again"
+}
+
 test_usage_errors() {
   quad
   usage_error trace --metod bvh/stack; says err "did you mean '--method'?"
@@ -522,7 +532,16 @@ test_heatmaps_of_counters() {
 
 test_judge_limit_is_reported() {
   expect 0 trace builtin:cornell --check exact --judge-limit 10
-  says out "--judge-limit left"; says out "right so far"
+  says out "--judge-limit left"; says out "right so far"; says out "every ray is judged"; lacks out witness
+}
+
+# What the limit left out says nothing of how often hits are wrong, nor do rays that are not there.
+test_rates_are_of_what_was_decided() {
+  needs_python
+  expect 0 trace builtin:soup --rays edge --count 20000 --test moeller-trumbore --method bvh8/ordered --check exact --judge-limit 200 --json -
+  json out 'j["benchmarks"][0]["unjudged"] == 19800 and j["benchmarks"][0]["wrong_per_million_bound95"] == 15000'
+  printf 'v 0 0 0\n' >empty.obj; expect 0 trace empty.obj --rays edge --check exact --report page.html; says out "–"
+  expect 0 trace empty.obj --rays edge --check exact --json -; json out 'j["benchmarks"][0]["wrong_per_million_bound95"] is None'
 }
 
 test_cuda_without_device() {
@@ -606,6 +625,12 @@ test_stress_table() {
   lacks out Embree; says out sbvh/stack; says out bvh/stack
 }
 
+# What is wrong where nothing is promised is worth a bundle, and no failure.
+test_stress_measured_is_no_failure() {
+  expect 0 stress --case rays/farther-away --method kdtree/stack --rays 20000
+  lacks out "NOT AS EXPECTED"; says out "Wrong where it is measured, and nothing is promised"; says out "to reproduce: accel-stress-"
+}
+
 # Rounds depend on the seed alone: a run that goes on counts what one in one go does.
 test_stress_resumes() {
   needs_python
@@ -618,7 +643,7 @@ test_stress_resumes() {
   json out 'j["context"]["executable"] == "accel-trace stress" and all(r["ok"] for r in j["stress"] if "ok" in r)'
   input_error stress --case leaks/1 --rays 1024 --seed 7 --resume state; says err "seed 1"
   echo nonsense >state; input_error stress --case leaks/1 --rays 1024 --resume state; says err "state"
-  echo '{"format": "accel-trace stress, 1", "seed": 1}' >state; input_error stress --case leaks/1 --resume state; says err "damaged"
+  echo '{"format": "accel-trace stress, 2", "seed": 1}' >state; input_error stress --case leaks/1 --resume state; says err "damaged"
 }
 
 test_stress_interrupted_leaves_a_state() {
