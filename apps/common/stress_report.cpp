@@ -163,8 +163,7 @@ std::string stress_text(const StressReport& report, const StressSettings& settin
     text += terminal.styled("NOT AS EXPECTED", Style::bad) + "\n" + failures + "\n";
   text +=
       "Stress, seed " + std::to_string(settings.common.seed) + ", " + seconds_text(report.state.seconds) +
-      "; watertight test\nagreement with the witness is taken as right, but for a sample; all else is judged by exact "
-      "arithmetic" +
+      "; watertight test\nagreement with the witness is taken as right, but for a sample; all else is judged exactly" +
       (settings.embree ? "\nbeside " + validation::EmbreeWitness::version() + ", by the same bounds, on the same rays" : "") +
       "\n";
   text += StressTable(report, settings, terminal).text();

@@ -9,6 +9,7 @@
 #include "apps/common/text.h"
 #include "apps/common/trace_report.h"
 #include "apps/common/versions.h"
+#include "libaccel/registry/any_accel.h"
 
 namespace accel::apps {
 
@@ -59,6 +60,12 @@ Json structure_json(const StructureRow& row) {
   return json;
 }
 
+// Of all rows: those of sweeps have their own.
+std::string triangle_test_text(const TraceSettings& settings) {
+  if (!settings.test.empty()) return settings.test;
+  return settings.sweep ? "all" : triangle_tests().front();
+}
+
 Json context_json(const TraceReport& report, const TraceSettings& settings) {
   Json versions_json;
   for (const auto& [name, version] : versions()) versions_json[name] = version;
@@ -86,7 +93,7 @@ Json context_json(const TraceReport& report, const TraceSettings& settings) {
           {"height", settings.height},
           {"spp", settings.spp},
           {"device", report.device},
-          {"triangle_test", settings.test},
+          {"triangle_test", triangle_test_text(settings)},
           {"packets",
            {{"max_size", settings.packets.max_size},
             {"block_size", settings.packets.block_size},

@@ -25,6 +25,15 @@ std::string per_ray(std::uint64_t sum, std::uint64_t rays) {
 
 std::string vec_text(Vec3 v) { return "(" + short_number(v.x) + " " + short_number(v.y) + " " + short_number(v.z) + ")"; }
 
+template <class Condition>
+bool any_row(const TraceReport& report, Condition condition) {
+  return std::any_of(report.rows.begin(), report.rows.end(), condition);
+}
+
+bool have_witness(const TraceReport& report) {
+  return any_row(report, [](const TraceRow& row) { return row.check && row.check->has_witness; });
+}
+
 // "miss 2, false 1": the kinds of failures that occurred.
 std::string failures_text(const Verdicts& v) {
   std::vector<std::string> parts;
@@ -196,7 +205,7 @@ std::string verdict_section(const TraceReport& report, const Terminal& terminal)
     if (row.check->has_witness && !(i + 1 < rows.size() && have_same_witness(row, *rows[i + 1])))
       add_verdict_row(table, "", "Embree robust", row.check->witness, *row.check, terminal);
   }
-  const bool has_witness = std::any_of(rows.begin(), rows.end(), [](const TraceRow* row) { return row->check->has_witness; });
+  const bool has_witness = have_witness(report);
   return section(terminal,
                  has_witness
                      ? "Verdicts: agreement with the witness is taken as right, a sample of it judged; all else is judged"
@@ -227,7 +236,10 @@ std::string adjudication_section(const TraceReport& report, const Terminal& term
                    measured ? ulp_text(e.t_ulp_mean) : "", measured ? ulp_text(e.t_ulp_p99) : "",
                    measured ? ulp_text(e.t_ulp_max) : ""});
   }
-  return section(terminal, "Adjudication of judged rays: who was right, and the error of t against exact arithmetic") +
+  const bool has_witness = have_witness(report);
+  return section(terminal, has_witness
+                               ? "Adjudication of judged rays: who was right, and the error of t against exact arithmetic"
+                               : "The error of t of judged rays against exact arithmetic") +
          table.text();
 }
 
@@ -277,10 +289,11 @@ std::string multipass_section(const TraceReport& report, const TraceSettings& se
     if (!row.multipass) continue;
     const MultipassProfile& p = *row.multipass;
     const MultipassProfile::KernelPasses all = p.total();
-    table.add_row(
-        {row.rays_kind, row.method, with_commas(all.passes), with_commas(p.switches), print("%.2g %%", 100 * all.utilisation()),
-         steps_cell(p, MultipassKernel::down), steps_cell(p, MultipassKernel::up), steps_cell(p, MultipassKernel::intersect),
-         per_ray(p.transitions(), p.rays), per_ray(all.bytes_recirculated(), p.rays), per_ray(all.bytes_fetched, p.rays)});
+    table.add_row({row.rays_kind, row.method, with_commas(all.passes), with_commas(p.switches),
+                   short_number(100 * all.utilisation()) + " %", steps_cell(p, MultipassKernel::down),
+                   steps_cell(p, MultipassKernel::up), steps_cell(p, MultipassKernel::intersect),
+                   per_ray(p.transitions(), p.rays), per_ray(all.bytes_recirculated(), p.rays),
+                   per_ray(all.bytes_fetched, p.rays)});
   }
   const MultipassOptions& options = settings.multipass;
   return section(terminal, std::string("Multipass profile (") + rule_name(options.rule) + (options.compact ? ", compact" : "") +
@@ -328,11 +341,6 @@ std::string explanations(const TraceReport& report) {
   std::string text;
   for (const BuildNote& note : report.notes) text += "  " + note.what + ": " + note.why + "\n";
   return text.empty() ? "\n  nothing was left out\n" : "\n" + text;
-}
-
-template <class Condition>
-bool any_row(const TraceReport& report, Condition condition) {
-  return std::any_of(report.rows.begin(), report.rows.end(), condition);
 }
 
 }  // namespace
