@@ -108,7 +108,8 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   if (!chosen) return chosen.failure();
   settings.method = *std::move(chosen);
   settings.builder = builder_of(settings.method);
-  if (auto writable = check_writable({settings.output, settings.json}); !writable) return writable.failure();
+  if (auto writable = check_outputs({{"--output", settings.output}, {"--json", settings.json}}); !writable)
+    return writable.failure();
   return settings;
 }
 

@@ -63,7 +63,7 @@ std::string references_text(const BuildReport& build) {
 // One line on shape and quality, and for trees of cells one on what a random line meets.
 std::string quality_text(const StructureFacts& facts) {
   std::vector<std::string> quality;
-  if (facts.depth) quality.push_back(std::to_string(*facts.depth) + " levels deep");
+  if (facts.depth) quality.push_back(counted(static_cast<std::uint64_t>(*facts.depth), "level") + " deep");
   if (facts.resolution) quality.push_back(*facts.resolution + " cells");
   if (facts.sah_cost) quality.push_back("SAH cost " + short_number(*facts.sah_cost));
   if (facts.epo) quality.push_back("end-point overlap " + short_number(*facts.epo));
@@ -72,7 +72,7 @@ std::string quality_text(const StructureFacts& facts) {
                       short_number(*facts.leaf_size_variance) + ")");
   std::vector<std::string> cells;
   if (facts.inner_nodes) cells.push_back(counted(*facts.inner_nodes, "inner node"));
-  if (facts.leaves) cells.push_back(with_commas(*facts.leaves) + " leaves");
+  if (facts.leaves) cells.push_back(with_commas(*facts.leaves) + (*facts.leaves == 1 ? " leaf" : " leaves"));
   if (facts.empty_leaf_share) cells.push_back(print("%.1f %% of leaves empty", 100 * *facts.empty_leaf_share));
   if (facts.references_per_triangle) cells.push_back(short_number(*facts.references_per_triangle) + " references a triangle");
   std::string text = quality.empty() ? "" : "  " + join(quality, ", ") + "\n";

@@ -25,6 +25,7 @@ class Checker {
                                  std::vector<Skip>& skipped);
 
   bool checks() const { return check_ != Check::none; }
+  bool has_witness() const { return check_ == Check::embree; }
 
   Truth truth_of(const MethodInfo& method) const;
 

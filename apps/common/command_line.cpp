@@ -8,6 +8,7 @@
 #include "apps/common/versions.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/structure/grid.h"
+#include "validation/compare/shell_quoted.h"
 
 namespace accel::apps {
 
@@ -38,14 +39,6 @@ CLI::Validator one_of_when() {
         return std::string();
       },
       "", "when");
-}
-
-std::string quoted(const std::string& argument) {
-  const bool plain = !argument.empty() && argument.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;#~!") == std::string::npos;
-  if (plain) return argument;
-  std::string text = "'";
-  for (const char c : argument) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
 }
 
 // The first argument that no option took, with the option that was probably meant.
@@ -196,7 +189,7 @@ void add_build_options(CLI::App& app, BuildOptions& options) {
 
 Outcome<std::string> parse_arguments(CLI::App& app, int argc, char** argv, CommonSettings& settings) {
   settings.command_line = app.get_name();
-  for (int i = 1; i < argc; ++i) settings.command_line += " " + quoted(argv[i]);
+  for (int i = 1; i < argc; ++i) settings.command_line += " " + validation::shell_quoted(argv[i]);
   for (int i = 1; i < argc; ++i) {
     const std::string_view argument = argv[i];
     if (argument == "-h" || argument == "--help") return app.help();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "apps/common/ray_batch.h"
 #include "apps/common/text.h"
 
 namespace accel::apps {
@@ -41,7 +42,8 @@ std::vector<std::string> resolve(const Scene& scene, const TraceSettings& settin
     }
     return names;
   }
-  const std::uint64_t rays = std::max(settings.count, std::uint64_t{settings.width} * settings.height * settings.spp);
+  std::uint64_t rays = 0;
+  for (const std::string& kind : settings.ray_kinds) rays = std::max(rays, most_rays(settings, kind));
   for (const MethodInfo& m : methods()) {
     const std::string reason = reason_to_skip(m, scene, rays, settings.sweep);
     if (reason.empty())

@@ -1,5 +1,8 @@
 #include "apps/common/output.h"
 
+#include <filesystem>
+#include <map>
+
 #include "libaccel/io/atomic_file.h"
 
 namespace accel::apps {
@@ -9,9 +12,26 @@ Finished write_text(const std::string& path, std::string_view text) {
   return Done{};
 }
 
-Finished check_writable(std::initializer_list<std::string_view> paths) {
-  for (const std::string_view path : paths) {
-    if (path.empty() || path == "-") continue;
+namespace {
+
+// The same for all names of a file.
+std::filesystem::path identity(std::string_view path) {
+  std::error_code ignored;
+  return path == "-" ? std::filesystem::path(path)
+                     : std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored);
+}
+
+}  // namespace
+
+Finished check_outputs(std::initializer_list<OutputFile> files) {
+  std::map<std::filesystem::path, std::string_view> flag_of;
+  for (const auto& [flag, path] : files) {
+    if (path.empty()) continue;
+    const auto [same, is_new] = flag_of.emplace(identity(path), flag);
+    if (!is_new)
+      return Failure(ExitStatus::usage, std::string(same->second) + ", " + std::string(flag) + ": only one of them can be " +
+                                            (path == "-" ? "standard output" : "written to '" + std::string(path) + "'"));
+    if (path == "-") continue;
     if (const auto probe = AtomicPath::create(path); !probe) return probe.error();
   }
   return Done{};

@@ -17,6 +17,18 @@ Outcome<RayBatch> read_batch(const std::string& path) {
 
 }  // namespace
 
+std::uint64_t most_rays(const TraceSettings& settings, const std::string& name) {
+  if (name.ends_with(".npy")) {
+    const auto rays = read_rays_npy(name);
+    return rays ? rays->size() : 0;
+  }
+  const auto kind = parse_ray_kind(name);
+  if (!kind) return 0;
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  if (!info(*kind).is_image) return settings.count > 0 ? settings.count : pixels;
+  return pixels * settings.spp * (*kind == RayKind::soft_shadow ? kSoftShadowSamples : 1);
+}
+
 bool rays_need_mesh(const std::string& name) {
   const auto kind = parse_ray_kind(name);
   return !name.ends_with(".npy") && kind && *kind != RayKind::primary && *kind != RayKind::random;
@@ -26,14 +38,6 @@ Outcome<RayMaker> RayMaker::create(const Scene& scene, const TraceSettings& sett
   auto camera = choose_camera(scene, settings.camera);
   if (!camera) return camera.failure();
   return RayMaker(scene, settings, std::move(tracer), *std::move(camera));
-}
-
-std::uint64_t RayMaker::most_rays(const std::string& name) const {
-  const auto kind = parse_ray_kind(name);
-  if (name.ends_with(".npy") || !kind) return 0;
-  const std::uint64_t pixels = picture_size().pixels();
-  if (!info(*kind).is_image) return settings_->count > 0 ? settings_->count : pixels;
-  return pixels * settings_->spp * (*kind == RayKind::soft_shadow ? kSoftShadowSamples : 1);
 }
 
 Outcome<RayBatch> RayMaker::make(const std::string& name) {

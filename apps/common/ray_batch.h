@@ -23,6 +23,9 @@ struct RayBatch {
   std::size_t size() const { return set.size(); }
 };
 
+// The most rays that the batch of a kind may have, and how many a .npy file has: 0 where it cannot be read.
+std::uint64_t most_rays(const TraceSettings& settings, const std::string& name);
+
 // Whether making the rays that --rays calls `name` needs the scene's triangles.
 bool rays_need_mesh(const std::string& name);
 
@@ -32,9 +35,6 @@ class RayMaker {
  public:
   // The scene and settings outlive the maker. `tracer` finds the hits that secondary rays start from.
   static Outcome<RayMaker> create(const Scene& scene, const TraceSettings& settings, AnyAccel tracer);
-
-  // The most rays that the batch for a name may have; 0 for files.
-  std::uint64_t most_rays(const std::string& name) const;
 
   // The batch for a name that --rays accepts.
   Outcome<RayBatch> make(const std::string& name);

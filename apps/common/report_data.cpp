@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "apps/common/text.h"
-#include "validation/compare/compare.h"
 
 namespace accel::apps {
 
@@ -18,13 +17,6 @@ std::string text_of(const Json& json, const std::string& key) {
 double number_of(const Json& json, const std::string& key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_number() ? found->get<double>() : 0;
-}
-
-// Of all that a witness's or our verdicts name as failures.
-std::uint64_t failures_of(const Json& verdicts) {
-  std::uint64_t sum = 0;
-  for (const char* key : {"miss", "far", "false"}) sum += static_cast<std::uint64_t>(number_of(verdicts, key));
-  return sum;
 }
 
 }  // namespace
@@ -100,10 +92,9 @@ bool ReportData::is_on_front(const ReportRow& row) const {
 }
 
 std::optional<ReportData::Wrong> ReportData::witness_wrong(const ReportRow& row) {
-  const auto verdicts = row.json->find("embree_verdicts");
-  if (verdicts == row.json->end()) return std::nullopt;
-  const auto rate = validation::rate(failures_of(*verdicts), static_cast<std::uint64_t>(number_of(*row.json, "rays")));
-  return Wrong{rate.per_million, rate.bound95_per_million};
+  const Json rate = row.json->value("embree_wrong_per_million", Json());
+  if (!rate.is_number()) return std::nullopt;
+  return Wrong{rate.get<double>(), number_of(*row.json, "embree_wrong_per_million_bound95")};
 }
 
 std::optional<double> ReportData::number(const std::string& pointer) const {
@@ -138,7 +129,7 @@ HtmlCell ReportData::ns_cell(const ReportRow& row) const {
 
 HtmlCell ReportData::rate_cell(const std::string& pointer, const std::string& bound_pointer) const {
   const auto rate = number(pointer);
-  if (!rate) return {"", HtmlCell::Kind::number};
+  if (!rate) return {json_.contains(Json::json_pointer(pointer)) ? "\u2013" : "", HtmlCell::Kind::number};
   HtmlCell shown = cell(*rate > 0 ? pointer : bound_pointer, short_number);
   if (*rate > 0)
     shown.style = "bad";
@@ -151,13 +142,8 @@ HtmlCell ReportData::wrong_cell(const ReportRow& row) const {
   return rate_cell(row.pointer(row.wrong_path), row.pointer(row.bound_path));
 }
 
-HtmlCell ReportData::witness_wrong_cell(const ReportRow& row) {
-  HtmlCell cell{"", HtmlCell::Kind::number};
-  const auto wrong = witness_wrong(row);
-  if (!wrong) return cell;
-  cell.text = wrong->rate > 0 ? short_number(wrong->rate) : "< " + short_number(wrong->bound);
-  if (wrong->rate > 0) cell.style = "bad";
-  return cell;
+HtmlCell ReportData::witness_wrong_cell(const ReportRow& row) const {
+  return rate_cell(row.pointer("embree_wrong_per_million"), row.pointer("embree_wrong_per_million_bound95"));
 }
 
 HtmlCell ReportData::failures_cell(const std::string& pointer) const {

@@ -73,10 +73,10 @@ class ReportData {
   HtmlCell ratio_cell(const std::string& pointer, const std::string& over, Format format) const;
   HtmlCell inverse_cell(const std::string& pointer, double numerator, Format format) const;
   HtmlCell ns_cell(const ReportRow& row) const;
-  // A rate per million, or where it is 0 its bound: "< 61.0".
+  // A rate per million, or where it is 0 its bound: "< 61.0"; a dash where no ray was decided.
   HtmlCell rate_cell(const std::string& pointer, const std::string& bound_pointer) const;
   HtmlCell wrong_cell(const ReportRow& row) const;
-  static HtmlCell witness_wrong_cell(const ReportRow& row);
+  HtmlCell witness_wrong_cell(const ReportRow& row) const;
   // A count that should be 0.
   HtmlCell failures_cell(const std::string& pointer) const;
 

@@ -51,7 +51,7 @@ std::string summary_table(const ReportData& data) {
     table.add_row(
         {row_head(kind), words(row->label), data.ns_cell(*row), data.cell(row->pointer("mrays_per_second"), short_number),
          data.cell(row->pointer("ratio_to_embree"), hundredths), data.cell(row->pointer("ratio_to_best_embree"), hundredths),
-         data.wrong_cell(*row), ReportData::witness_wrong_cell(*row), data.cell(row->pointer("rays"), count_text)});
+         data.wrong_cell(*row), data.witness_wrong_cell(*row), data.cell(row->pointer("rays"), count_text)});
   }
   return table.empty() ? "" : table.html();
 }

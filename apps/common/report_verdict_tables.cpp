@@ -68,7 +68,7 @@ void add_verdicts(HtmlTable& table, const ReportData& data, const std::string& k
     if (!needs_witness_row(rows, i)) continue;
     std::vector<HtmlCell> witness = verdict_cells(data, row, "embree_verdicts", "Embree robust");
     witness.push_back(words(""));
-    witness.push_back(ReportData::witness_wrong_cell(row));
+    witness.push_back(data.witness_wrong_cell(row));
     table.add_row(std::move(witness), "reference");
   }
 }
@@ -83,15 +83,21 @@ std::vector<HtmlCell> adjudication_cells(const ReportData& data, const Alike& al
   return cells;
 }
 
+bool have_witness(const ReportData& data) { return data.any_row_has("embree_verdicts"); }
+
 }  // namespace
 
 std::string verdicts_table(const ReportData& data) {
+  const std::string judged =
+      have_witness(data)
+          ? "Agreement with the witness is taken as right, and a sample of it judged in exact arithmetic; all else "
+            "is judged. "
+          : "Every ray is judged in exact arithmetic. ";
   HtmlTable table(
-      "<b>Verdicts.</b> Of the rays on which a method and the witness agree a sample is judged in exact arithmetic, of all "
-      "others "
-      "every one. <i>neighbour</i> and <i>edge</i> are answers within the proved bound of rounding; <i>miss</i>, <i>far</i> "
-      "and "
-      "<i>false</i> are wrong. Where none is wrong, the rate is below 3/N with 95 % confidence.",
+      "<b>Verdicts.</b> " + judged +
+          "<i>neighbour</i> and <i>edge</i> are answers within the proved bound of rounding; <i>miss</i>, <i>far</i> and "
+          "<i>false</i> are wrong. Where none is wrong, the rate is below 3/N with 95 % confidence; N leaves out what was not "
+          "judged.",
       {{"engine", true},
        {"agree"},
        {"judged"},
@@ -108,20 +114,19 @@ std::string verdicts_table(const ReportData& data) {
 }
 
 std::string adjudication_table(const ReportData& data) {
-  HtmlTable table(
-      "<b>Adjudication.</b> Who was right on the judged rays, and how far the t of right hits is from the exact one, in units "
-      "in "
-      "the last place.",
-      {{"method", true},
-       {"both right"},
-       {"only ours"},
-       {"only Embree"},
-       {"neither"},
-       {"t error, mean ulp"},
-       {"median"},
-       {"p99"},
-       {"most"},
-       {"barycentric, most"}});
+  HtmlTable table(std::string("<b>Adjudication.</b> ") +
+                      (have_witness(data) ? "Who was right on the judged rays, and how" : "How") +
+                      " far the t of right hits is from the exact one, in units in the last place.",
+                  {{"method", true},
+                   {"both right"},
+                   {"only ours"},
+                   {"only Embree"},
+                   {"neither"},
+                   {"t error, mean ulp"},
+                   {"median"},
+                   {"p99"},
+                   {"most"},
+                   {"barycentric, most"}});
   for (const std::string& kind : data.kinds()) {
     const std::vector<Alike> rows = alike_rows(data, kind, {"adjudication", "t_ulp", "barycentric_error_max"});
     if (!rows.empty()) table.begin_group(rays_of_kind(kind));

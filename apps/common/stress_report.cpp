@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/common/rate_text.h"
 #include "apps/common/table.h"
 #include "apps/common/text.h"
 #include "apps/common/versions.h"
@@ -44,11 +45,8 @@ std::string count_text(std::uint64_t n) {
 // The rays with something wrong: those that leak are counted as misses or as far, too.
 std::uint64_t wrong_rays(const StressTally& t) { return std::max(t.leaks, t.miss + t.far) + t.false_hit + t.broken; }
 
-std::string rate_text(const StressTally& tally) {
-  if (tally.rays == 0) return {};
-  const validation::Rate rate = validation::rate(wrong_rays(tally), tally.rays);
-  return wrong_rays(tally) == 0 ? "< " + short_number(rate.bound95_per_million) : short_number(rate.per_million);
-}
+// Of the rays that were decided.
+validation::Rate wrong_rate(const StressTally& t) { return validation::rate(wrong_rays(t), t.rays - t.unjudged); }
 
 class StressTable {
  public:
@@ -95,7 +93,7 @@ class StressTable {
     else if (ours)
       verdict = terminal_.styled("ok", Style::good);
     table_.add_row({last_case_ == &one ? "" : std::string(one.name), engine, count_text(t.rays), wrong(t.leaks), wrong(t.miss),
-                    wrong(t.far), wrong(t.false_hit), t.broken > 0 ? wrong(t.broken) : "", rate_text(t),
+                    wrong(t.far), wrong(t.false_hit), t.broken > 0 ? wrong(t.broken) : "", rate_text(wrong_rate(t)),
                     ours ? short_expectation(one.expected) : "", verdict});
     last_case_ = &one;
   }
@@ -118,18 +116,31 @@ class StressTable {
                 {"", Align::left}}};
 };
 
+// The entry of a case and a method that is not as expected, or null.
+const StressEntry* failed(const StressReport& report, const StressCase& one, const std::string& method) {
+  const auto found = report.state.entries.find({std::string(one.name), method});
+  return found != report.state.entries.end() && is_failure(one, found->second) ? &found->second : nullptr;
+}
+
+// The bundles of failures, or those of the cases that promise nothing.
+std::string bundles_text(const StressReport& report, bool of_failures) {
+  std::string text;
+  for (const StressBundle& bundle : report.bundles)
+    if ((failed(report, *bundle.of, bundle.method) != nullptr) == of_failures) text += "  to reproduce: " + bundle.text + "\n";
+  return text;
+}
+
 // Failures that are none of rays, and where the others can be looked at.
 std::string failures_section(const StressReport& report, const StressSettings& settings) {
   std::string text;
   for (const StressCase* one : settings.cases)
     for (const std::string& method : settings.methods) {
-      const auto found = report.state.entries.find({std::string(one->name), method});
-      if (found == report.state.entries.end() || !is_failure(*one, found->second)) continue;
+      const StressEntry* const entry = failed(report, *one, method);
+      if (entry == nullptr) continue;
       text += "  " + std::string(one->name) + " by " + method + ": expected " + std::string(one->expectation);
-      text += (found->second.error.empty() ? "" : "; " + found->second.error) + "\n";
+      text += (entry->error.empty() ? "" : "; " + entry->error) + "\n";
     }
-  for (const std::string& bundle : report.bundles) text += "  to reproduce: " + bundle + "\n";
-  return text;
+  return text + bundles_text(report, true);
 }
 
 }  // namespace
@@ -152,10 +163,12 @@ std::string stress_text(const StressReport& report, const StressSettings& settin
     text += terminal.styled("NOT AS EXPECTED", Style::bad) + "\n" + failures + "\n";
   text +=
       "Stress, seed " + std::to_string(settings.common.seed) + ", " + seconds_text(report.state.seconds) +
-      "; watertight test; judged by exact arithmetic" +
+      "; watertight test\nagreement with the witness is taken as right, but for a sample; all else is judged exactly" +
       (settings.embree ? "\nbeside " + validation::EmbreeWitness::version() + ", by the same bounds, on the same rays" : "") +
       "\n";
-  return text + StressTable(report, settings, terminal).text();
+  text += StressTable(report, settings, terminal).text();
+  const std::string measured = bundles_text(report, false);
+  return measured.empty() ? text : text + "\nWrong where it is measured, and nothing is promised\n" + measured;
 }
 
 std::string stress_json(const StressReport& report, const StressSettings& settings) {
@@ -166,7 +179,7 @@ std::string stress_json(const StressReport& report, const StressSettings& settin
     for (const auto& [key, entry] : report.state.entries) {
       if (key.first != one->name || entry.rounds == 0) continue;
       const StressTally& t = entry.tally;
-      const validation::Rate rate = validation::rate(wrong_rays(t), t.rays);
+      const validation::Rate rate = wrong_rate(t);
       const bool ours = key.second != kEmbreeRobust && key.second != kEmbreeFast;
       Json row = {{"case", key.first},
                   {"engine", key.second},
@@ -178,6 +191,7 @@ std::string stress_json(const StressReport& report, const StressSettings& settin
                   {"false", t.false_hit},
                   {"broken", t.broken},
                   {"judged", t.judged},
+                  {"unjudged", t.unjudged},
                   {"wrong_per_million", rate.per_million},
                   {"wrong_per_million_bound95", rate.bound95_per_million}};
       if (ours) row["expected"] = one->expectation, row["ok"] = !is_failure(*one, entry);

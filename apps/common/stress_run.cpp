@@ -97,7 +97,7 @@ class StressProgram {
     run.threads = settings_.common.threads;
     bar_.begin(std::string(one.name) + " by " + method + ", " + counted(run.rays, "ray"));
     run.progress = bar_.callback();
-    run.on_failure = [&](const StressFailure& failure) { keep(failure, method, mine); };
+    run.on_failure = [&](const StressFailure& failure) { keep(failure, one, method, mine); };
     const Result<validation::StressOutcome> outcome = run_case(one, run);
     if (!outcome && outcome.message() == kInterrupted) return interrupted_run();
     if (outcome)
@@ -121,7 +121,7 @@ class StressProgram {
 
   // What is needed to look at a failure again: the scene, the rays and what exact arithmetic says of them. One bundle for each
   // method and case.
-  void keep(const StressFailure& failure, const std::string& method, StressEntry& mine) {
+  void keep(const StressFailure& failure, const StressCase& one, const std::string& method, StressEntry& mine) {
     if (failure.cases.empty() && mine.error.empty()) mine.error = failure.scene + ": " + failure.what;
     const std::string stem = settings_.repro + "-" + file_name_of(std::string(failure.case_name) + "-" + method);
     const bool again = std::find(bundles_.begin(), bundles_.end(), stem) != bundles_.end();
@@ -132,10 +132,11 @@ class StressProgram {
       scene = stem + ".obj";
     else if (const auto written = write_text(scene, obj_text(*failure.mesh)); !written)
       return terminal_.warning(written.failure().message);
-    const auto text = validation::write_repro(stem, validation::Judge(*failure.mesh), failure.cases,
-                                              {settings_.common.command_line, scene, method});
+    const auto text =
+        validation::write_repro(stem, validation::Judge(*failure.mesh), failure.cases,
+                                {.command_line = settings_.common.command_line, .scene = scene, .method = method});
     if (!text) return terminal_.warning(text.message());
-    report_.bundles.push_back(text->string() + ": " + failure.scene + ", " + failure.what);
+    report_.bundles.push_back({&one, method, text->string() + ": " + failure.scene + ", " + failure.what});
   }
 
   Failure interrupted_run() {

@@ -10,9 +10,15 @@
 
 namespace accel::apps {
 
+// Files that show what a method got wrong in a case.
+struct StressBundle {
+  const validation::StressCase* of;
+  std::string method, text;
+};
+
 struct StressReport {
   StressState state;
-  std::vector<std::string> bundles;  // of failures, where files were written
+  std::vector<StressBundle> bundles;  // of failures, and of what is wrong where nothing is promised
 
   // Pairs of a case and a method that are not as expected.
   std::uint64_t failures(const StressSettings& settings) const;

@@ -13,13 +13,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 using validation::StressTally;
 
-constexpr const char* kFormat = "accel-trace stress, 1";
+constexpr const char* kFormat = "accel-trace stress, 2";
 
 // The names of a tally's numbers in the file.
 constexpr std::pair<const char*, std::uint64_t StressTally::*> kNumbers[] = {
-    {"rays", &StressTally::rays},    {"leaks", &StressTally::leaks},     {"miss", &StressTally::miss},
-    {"far", &StressTally::far},      {"false", &StressTally::false_hit}, {"broken", &StressTally::broken},
-    {"judged", &StressTally::judged}};
+    {"rays", &StressTally::rays},     {"leaks", &StressTally::leaks},      {"miss", &StressTally::miss},
+    {"far", &StressTally::far},       {"false", &StressTally::false_hit},  {"broken", &StressTally::broken},
+    {"judged", &StressTally::judged}, {"unjudged", &StressTally::unjudged}};
 
 Json json_of(const StressState& state) {
   Json entries = Json::array();

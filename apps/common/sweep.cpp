@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "apps/common/rate_text.h"
 #include "apps/common/table.h"
 #include "apps/common/text.h"
 #include "libaccel/rays/ray_kind.h"
@@ -25,11 +26,12 @@ bool makes_sense(const AnyAccel& accel, const std::string& test) {
 
 bool is_ours(const TraceRow& row) { return row.embree == nullptr; }
 
-Rate failures_of(const TraceRow& row) { return validation::rate(row.check->failures(), row.rays - row.check->unjudged); }
+Rate failures_of(const TraceRow& row) { return row.check->rate_of(row.check->failures()); }
 
+// The first where the second is not known.
 Rate worse(const Rate& a, const Rate& b) {
-  if (a.per_million != b.per_million) return a.per_million > b.per_million ? a : b;
-  return a.bound95_per_million > b.bound95_per_million ? a : b;
+  const bool is_tie = a.per_million == b.per_million;
+  return b.per_million > a.per_million || (is_tie && b.bound95_per_million > a.bound95_per_million) ? b : a;
 }
 
 // By what it traces with: "sbvh/stack + woop", "Embree/robust".
@@ -91,11 +93,6 @@ std::string advice_text(const std::vector<TraceRow*>& rows, const std::string& k
          error_text(fastest->point->error) + t_text(*fastest);
 }
 
-// A number of a rate, "< 15" where nothing was found.
-std::string rate_cell(const Rate& rate) {
-  return rate.per_million > 0 ? short_number(rate.per_million) : "< " + short_number(rate.bound95_per_million);
-}
-
 std::string ulp_cell(const TraceRow& row, double ulp) { return row.check->errors.samples > 0 ? short_number(ulp) : ""; }
 
 // What is worth a line: the front, Embree, and of each structure the fastest configuration that is promised.
@@ -140,7 +137,7 @@ std::string plane_table(const TraceReport& report, const std::string& kind, bool
     table.add_row({point.on_front ? "*" : "", row->configuration(), short_number(point.ns_per_ray),
                    row->instructions ? short_number(*row->instructions) : "",
                    embree != nullptr && embree->point ? print("%.2f", embree->point->ns_per_ray / point.ns_per_ray) : "",
-                   rate_cell(point.error), rate_cell(point.leaks), ulp_cell(*row, errors.t_ulp_p99),
+                   rate_text(point.error), rate_text(point.leaks), ulp_cell(*row, errors.t_ulp_p99),
                    ulp_cell(*row, errors.t_ulp_max), short_number(static_cast<double>(structure.bytes) / triangles)});
   }
   if (hidden == 0) return table.text();
@@ -179,7 +176,7 @@ void place_on_plane(TraceReport& report, const TraceSettings& settings) {
     point.error = failures_of(row);
     if (const auto edge = edges.find(row.configuration()); edge != edges.end()) {
       point.edge_error = failures_of(*edge->second);
-      point.leaks = validation::rate(edge->second->check->ours.miss, edge->second->rays);
+      point.leaks = edge->second->check->rate_of(edge->second->check->ours.miss);
       point.error = worse(point.error, point.edge_error);
     }
     row.point = point;

@@ -9,6 +9,7 @@
 #include "apps/common/text.h"
 #include "apps/common/trace_report.h"
 #include "apps/common/versions.h"
+#include "libaccel/registry/any_accel.h"
 
 namespace accel::apps {
 
@@ -61,6 +62,12 @@ Json structure_json(const StructureRow& row) {
   return json;
 }
 
+// Of all rows: those of sweeps have their own.
+std::string triangle_test_text(const TraceSettings& settings) {
+  if (!settings.test.empty()) return settings.test;
+  return settings.sweep ? "all" : triangle_tests().front();
+}
+
 Json context_json(const TraceReport& report, const TraceSettings& settings) {
   Json versions_json;
   for (const auto& [name, version] : versions()) versions_json[name] = version;
@@ -88,7 +95,7 @@ Json context_json(const TraceReport& report, const TraceSettings& settings) {
           {"height", settings.height},
           {"spp", settings.spp},
           {"device", report.device},
-          {"triangle_test", settings.test},
+          {"triangle_test", triangle_test_text(settings)},
           {"packets",
            {{"max_size", settings.packets.max_size},
             {"block_size", settings.packets.block_size},
@@ -106,6 +113,10 @@ Json verdicts_json(const Verdicts& v) {
 }
 
 void add_check(Json& json, const validation::CheckResult& check) {
+  const auto add_rate = [&](const std::string& name, const Verdicts& verdicts) {
+    const validation::Rate wrong = check.rate_of(verdicts.failures());
+    json[name] = wrong.per_million, json[name + "_bound95"] = wrong.bound95_per_million;  // NaN is null
+  };
   json["verdicts"] = verdicts_json(check.ours);
   json["unjudged"] = check.unjudged;
   if (check.has_witness) {
@@ -115,10 +126,9 @@ void add_check(Json& json, const validation::CheckResult& check) {
                             {"only_ours_right", a.only_ours_right},
                             {"only_embree_right", a.only_witness_right},
                             {"both_wrong", a.both_wrong}};
+    add_rate("embree_wrong_per_million", check.witness);
   }
-  const auto wrong = validation::rate(check.failures(), check.rays);
-  json["wrong_per_million"] = wrong.per_million;
-  json["wrong_per_million_bound95"] = wrong.bound95_per_million;
+  add_rate("wrong_per_million", check.ours);
   const auto& e = check.errors;
   if (e.samples > 0) {
     json["t_ulp"] = {{"mean", e.t_ulp_mean}, {"p50", e.t_ulp_p50}, {"p99", e.t_ulp_p99}, {"max", e.t_ulp_max}};

@@ -116,7 +116,9 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->capture_default_str()
       ->type_name("N")
       ->group("Measuring and checking");
-  app.add_option("--check", raw.check, "embree (differences judged exactly), exact (all judged), or none")
+  app.add_option("--check", raw.check,
+                 "embree (what it agrees with is taken as right, but for a sample; all\nelse is judged exactly), exact (all "
+                 "judged), or none")
       ->capture_default_str()
       ->type_name("WHO")
       ->group("Measuring and checking");
@@ -334,6 +336,9 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   return Done{};
 }
 
+bool has_pixels(const std::string& rays) { return !is_npy(rays) && info(*parse_ray_kind(rays)).is_image; }
+bool is_counted(const std::string& rays) { return !is_npy(rays) && !has_pixels(rays); }
+
 // Options that contradict one another, and outputs that could not be written, found before any work is done.
 Finished check_consistency(const TraceSettings& settings) {
   if (std::uint64_t{settings.width} * settings.height * settings.spp > kMaxRays)
@@ -346,9 +351,8 @@ Finished check_consistency(const TraceSettings& settings) {
     if (auto valid = check_image_name(*path, flag); !valid) return valid;
   }
   const std::string& first = settings.ray_kinds.front();
-  const bool first_is_image = !is_npy(first) && info(*parse_ray_kind(first)).is_image;
   for (const auto& [flag, path] : {std::pair{"--heatmap", &settings.heatmap}, {"--diff", &settings.diff}})
-    if (!path->empty() && !first_is_image)
+    if (!path->empty() && !has_pixels(first))
       return usage(std::string(flag) + ": rays of kind '" + first +
                    "' belong to no pixels; put a kind that does first in --rays");
   if (!settings.diff.empty() && settings.check == Check::none) return usage("--diff: needs a witness; leave out --check none");
@@ -364,9 +368,34 @@ Finished check_consistency(const TraceSettings& settings) {
     return usage("--sweep: is for the CPU; leave out --device " + settings.device);
   if (settings.sweep && settings.sort) return usage("--sweep: and --sort are measured one at a time");
   if (settings.hits > 0 && settings.hits_out.empty()) return usage("--hits: needs --hits-out, a file for them");
-  if (settings.json == "-" && settings.report == "-") return usage("--json, --report: only one of them can be standard output");
-  return check_writable(
-      {settings.json, settings.report, settings.image, settings.heatmap, settings.diff, settings.rays_out, settings.hits_out});
+  return check_outputs({{"--json", settings.json},
+                        {"--report", settings.report},
+                        {"--image", settings.image},
+                        {"--heatmap", settings.heatmap},
+                        {"--diff", settings.diff},
+                        {"--rays-out", settings.rays_out},
+                        {"--hits-out", settings.hits_out}});
+}
+
+// Options that would do nothing, since nothing that they are about was asked for.
+Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings) {
+  const auto any_rays = [&](bool (*condition)(const std::string&)) {
+    return std::any_of(settings.ray_kinds.begin(), settings.ray_kinds.end(), condition);
+  };
+  const struct {
+    const char* flag;
+    bool has_effect;
+    const char* message;
+  } options[] = {
+      {"--schedule", settings.profile_simt || settings.profile_multipass, "is about profiles; add --profile simt or multipass"},
+      {"--batch", settings.profile_multipass, "is about passes; add --profile multipass"},
+      {"--compact", settings.profile_multipass, "is about passes; add --profile multipass"},
+      {"--heatmap-of", !settings.heatmap.empty() || !settings.report.empty(), "is about heat maps; add --heatmap or --report"},
+      {"--count", any_rays(is_counted), "is about rays that have no pixels; put random or edge into --rays"},
+      {"--spp", any_rays(has_pixels) || !settings.image.empty(), "is about rays that have pixels, which none of --rays do"}};
+  for (const auto& [flag, has_effect, message] : options)
+    if (app.count(flag) > 0 && !has_effect) return usage(std::string(flag) + ": " + message);
+  return Done{};
 }
 
 // A structure file is built already: options of builders would do nothing.
@@ -376,6 +405,21 @@ Finished refuse_build_options(const CLI::App& app, const TraceSettings& settings
     if (option->get_group() == "Build" && option->count() > 0)
       return usage(option->get_name() + ": '" + settings.scene + "' is built already; give this option to accel-build");
   return Done{};
+}
+
+// What a repro bundle repeats. Packets decide no hits unless something is wrong with them.
+std::vector<std::string> hit_options(const CLI::App& app) {
+  constexpr std::array<std::string_view, 5> kOthers = {"--seed", "--device", "--cell-fraction", "--packet-size",
+                                                       "--packet-block"};
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    const bool decides = option->get_group() == "Build" || std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
+    if (!decides || option->count() == 0) continue;
+    arguments.push_back(name);
+    for (const std::string& value : option->results()) arguments.push_back(value);
+  }
+  return arguments;
 }
 
 // A sweep measures a hundred configurations: fewer rays and runs, unless the user says so.
@@ -410,10 +454,12 @@ Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   settings.is_demo = app.count("SCENE") == 0;
   settings.check_given = app.count("--check") > 0;
   settings.build.threads = settings.common.threads;
+  settings.hit_options = hit_options(app);
   if (!settings.help.empty() || settings.list) return settings;
   if (auto done = refuse_build_options(app, settings); !done) return done.failure();
   if (settings.sweep) apply_sweep_defaults(app, settings, raw);
   if (auto done = interpret(raw, settings); !done) return done.failure();
+  if (auto done = refuse_idle_options(app, settings); !done) return done.failure();
   if (auto done = check_consistency(settings); !done) return done.failure();
   return settings;
 }

@@ -44,8 +44,8 @@ struct TraceSettings {
 
   std::vector<std::string> scaling;  // sizes of the built-in scene, as in its name: "10k"
 
-  std::optional<RaySort> sort;   // measure sorted rays, too
-  PacketOptions packets;         // its cell_fraction is that of the sort, too
+  std::optional<RaySort> sort;  // measure sorted rays, too
+  PacketOptions packets;        // its cell_fraction is that of the sort, too
 
   bool profile_simt = false, profile_multipass = false;
   SimtSchedule schedule = SimtSchedule::while_while;
@@ -59,7 +59,8 @@ struct TraceSettings {
   RayCounter heatmap_of = RayCounter::steps;
   std::string repro = "accel-repro";  // how the names of repro bundles begin
 
-  bool is_demo = false;  // no scene was named
+  bool is_demo = false;                  // no scene was named
+  std::vector<std::string> hit_options;  // those given that decide hits, but for scene, method, test and rays: as arguments
 };
 
 // Errors are usage errors; names of methods, ray kinds and tests are looked up here.

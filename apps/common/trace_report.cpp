@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/common/rate_text.h"
 #include "apps/common/scaling.h"
 #include "apps/common/sweep.h"
 #include "apps/common/table.h"
@@ -23,6 +24,15 @@ std::string per_ray(std::uint64_t sum, std::uint64_t rays) {
 }
 
 std::string vec_text(Vec3 v) { return "(" + short_number(v.x) + " " + short_number(v.y) + " " + short_number(v.z) + ")"; }
+
+template <class Condition>
+bool any_row(const TraceReport& report, Condition condition) {
+  return std::any_of(report.rows.begin(), report.rows.end(), condition);
+}
+
+bool have_witness(const TraceReport& report) {
+  return any_row(report, [](const TraceRow& row) { return row.check && row.check->has_witness; });
+}
 
 // "miss 2, false 1": the kinds of failures that occurred.
 std::string failures_text(const Verdicts& v) {
@@ -157,16 +167,13 @@ std::string best_embree_section(const TraceReport& report, const Terminal& termi
          embree_legend(report.embree_rows(report.rows.front().rays_kind));
 }
 
-void add_verdict_row(Table& table, const std::string& kind, const std::string& engine, const Verdicts& v, std::uint64_t rays,
-                     const Terminal& terminal) {
+void add_verdict_row(Table& table, const std::string& kind, const std::string& engine, const Verdicts& v,
+                     const CheckResult& check, const Terminal& terminal) {
   const auto bad = [&](std::uint64_t count) {
     return count == 0 ? std::string("0") : terminal.styled(with_commas(count), Style::bad);
   };
-  const auto wrong = validation::rate(v.failures(), rays);
-  const std::string per_million =
-      v.failures() == 0 ? "< " + short_number(wrong.bound95_per_million) : short_number(wrong.per_million);
   table.add_row({kind, engine, with_commas(v.agree), with_commas(v.right), with_commas(v.neighbour), with_commas(v.edge),
-                 bad(v.miss), bad(v.far), bad(v.false_hit), per_million});
+                 bad(v.miss), bad(v.far), bad(v.false_hit), rate_text(check.rate_of(v.failures()))});
 }
 
 // Whether one line about the witness serves both. Methods that are judged by other truths have another witness.
@@ -194,12 +201,15 @@ std::string verdict_section(const TraceReport& report, const Terminal& terminal)
     if (row.check->limit_binds())
       limits += "  " + row.method + ", " + row.rays_kind + ": --judge-limit left " + counted(row.check->unjudged, "ray") +
                 " unjudged\n";
-    add_verdict_row(table, row.rays_kind, row.method, row.check->ours, row.rays, terminal);
+    add_verdict_row(table, row.rays_kind, row.method, row.check->ours, *row.check, terminal);
     if (row.check->has_witness && !(i + 1 < rows.size() && have_same_witness(row, *rows[i + 1])))
-      add_verdict_row(table, "", "Embree robust", row.check->witness, row.rays, terminal);
+      add_verdict_row(table, "", "Embree robust", row.check->witness, *row.check, terminal);
   }
+  const bool has_witness = have_witness(report);
   return section(terminal,
-                 "Verdicts: of rays that agree with the witness a sample is judged exactly, of all others every one") +
+                 has_witness
+                     ? "Verdicts: agreement with the witness is taken as right, a sample of it judged; all else is judged"
+                     : "Verdicts: every ray is judged exactly") +
          table.text() + limits;
 }
 
@@ -226,7 +236,10 @@ std::string adjudication_section(const TraceReport& report, const Terminal& term
                    measured ? ulp_text(e.t_ulp_mean) : "", measured ? ulp_text(e.t_ulp_p99) : "",
                    measured ? ulp_text(e.t_ulp_max) : ""});
   }
-  return section(terminal, "Adjudication of judged rays: who was right, and the error of t against exact arithmetic") +
+  const bool has_witness = have_witness(report);
+  return section(terminal, has_witness
+                               ? "Adjudication of judged rays: who was right, and the error of t against exact arithmetic"
+                               : "The error of t of judged rays against exact arithmetic") +
          table.text();
 }
 
@@ -276,10 +289,11 @@ std::string multipass_section(const TraceReport& report, const TraceSettings& se
     if (!row.multipass) continue;
     const MultipassProfile& p = *row.multipass;
     const MultipassProfile::KernelPasses all = p.total();
-    table.add_row(
-        {row.rays_kind, row.method, with_commas(all.passes), with_commas(p.switches), print("%.2g %%", 100 * all.utilisation()),
-         steps_cell(p, MultipassKernel::down), steps_cell(p, MultipassKernel::up), steps_cell(p, MultipassKernel::intersect),
-         per_ray(p.transitions(), p.rays), per_ray(all.bytes_recirculated(), p.rays), per_ray(all.bytes_fetched, p.rays)});
+    table.add_row({row.rays_kind, row.method, with_commas(all.passes), with_commas(p.switches),
+                   short_number(100 * all.utilisation()) + " %", steps_cell(p, MultipassKernel::down),
+                   steps_cell(p, MultipassKernel::up), steps_cell(p, MultipassKernel::intersect),
+                   per_ray(p.transitions(), p.rays), per_ray(all.bytes_recirculated(), p.rays),
+                   per_ray(all.bytes_fetched, p.rays)});
   }
   const MultipassOptions& options = settings.multipass;
   return section(terminal, std::string("Multipass profile (") + rule_name(options.rule) + (options.compact ? ", compact" : "") +
@@ -327,11 +341,6 @@ std::string explanations(const TraceReport& report) {
   std::string text;
   for (const BuildNote& note : report.notes) text += "  " + note.what + ": " + note.why + "\n";
   return text.empty() ? "\n  nothing was left out\n" : "\n" + text;
-}
-
-template <class Condition>
-bool any_row(const TraceReport& report, Condition condition) {
-  return std::any_of(report.rows.begin(), report.rows.end(), condition);
 }
 
 }  // namespace

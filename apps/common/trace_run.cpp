@@ -102,7 +102,7 @@ class TraceRun {
     report_.structures = set.structures;
     for (const MethodSet::Member& member : set.members) take_notes(member.accel.report().notes);
     report_.checked_by = checker.description();
-    report_.witness = embree_.name();
+    report_.witness = checker.has_witness() ? embree_.name() : "";
     for (const EmbreeRival& rival : rivals_) rival_structures_.push_back(structure_row(*rival.scene));
   }
 
@@ -132,8 +132,9 @@ class TraceRun {
   }
 
   // Refuses batches that cannot fit into this machine, before the machine does so by killing the program.
-  Finished check_memory(const std::string& kind, const RayMaker& maker) const {
-    const std::uint64_t rays = maker.most_rays(kind);
+  Finished check_memory(const std::string& kind) const {
+    if (kind.ends_with(".npy")) return Done{};  // its rays are in memory already, when their number is known
+    const std::uint64_t rays = most_rays(settings_, kind);
     const std::uint64_t orders = settings_.sort ? 2 : 1;
     const std::uint64_t nearest = settings_.hits > 0 && kind == settings_.ray_kinds.front() ? settings_.hits : 0;
     const std::uint64_t bytes = rays * ((sizeof(Ray) + sizeof(std::uint32_t)) * orders +
@@ -148,7 +149,7 @@ class TraceRun {
 
   // Everything about one kind of rays: time all methods and the witness in turns, count, check.
   Finished trace_kind(const std::string& kind, RayMaker& maker, Checker& checker) {
-    if (auto fits = check_memory(kind, maker); !fits) return fits;
+    if (auto fits = check_memory(kind); !fits) return fits;
     bar_.begin("tracing " + kind);
     auto batch = maker.make(kind);
     if (!batch) return batch.failure();
@@ -288,20 +289,36 @@ class TraceRun {
 
   Finished profile(const Traced& traced, TraceRow& row) {
     const AnyAccel& accel = traced.accel();
-    const RayBatch& batch = traced.batch;
+    const TraceOptions options = trace_options(traced.configuration.test);
     if (settings_.profile_simt) {
       bar_.begin("simulating warps of " + traced.engine.name);
-      const auto simulated =
-          accel.profile_simt(batch.rays(), batch.query, {}, {settings_.schedule}, trace_options(traced.configuration.test));
-      if (!simulated) return simulated.error();
-      row.simt = *simulated;
+      const SimtOptions simt{settings_.schedule};
+      const auto simulate = [&](std::span<const Ray> rays) {
+        return accel.profile_simt(rays, traced.batch.query, {}, simt, options);
+      };
+      if (auto done = add_parts(traced.batch, std::size_t{32} * simt.rays_per_warp, simulate, row.simt.emplace()); !done)
+        return done;
     }
-    if (settings_.profile_multipass) {
-      bar_.begin("running passes of " + traced.engine.name);
-      const auto profiled =
-          accel.trace_multipass(batch.rays(), batch.query, {}, settings_.multipass, trace_options(traced.configuration.test));
-      if (!profiled) return profiled.error();
-      row.multipass = *profiled;
+    if (!settings_.profile_multipass) return Done{};
+    bar_.begin("running passes of " + traced.engine.name);
+    const auto run_passes = [&](std::span<const Ray> rays) {
+      return accel.trace_multipass(rays, traced.batch.query, {}, settings_.multipass, options);
+    };
+    return add_parts(traced.batch, settings_.multipass.batch_size, run_passes, row.multipass.emplace());
+  }
+
+  // The profile of a batch as the sum of those of its parts, between which interruptions are obeyed. A part is a whole number
+  // of the units that a model works off one after the other, so that the sum is what one call would give.
+  template <class Profile, class Run>
+  Finished add_parts(const RayBatch& batch, std::size_t part, const Run& run, Profile& sum) {
+    const std::span<const Ray> rays = batch.rays();
+    for (std::size_t begin = 0; begin < rays.size(); begin += part) {
+      const std::size_t size = std::min(part, rays.size() - begin);
+      const auto profile = run(rays.subspan(begin, size));
+      if (!profile) return profile.error();
+      sum += *profile;
+      if (!bar_.update(batch.name, static_cast<double>(begin + size) / static_cast<double>(rays.size())))
+        return Error{std::string(kInterrupted)};
     }
     return Done{};
   }
@@ -400,9 +417,11 @@ class TraceRun {
   void write_bundle(const Traced& traced, Checker& checker, TraceRow& row) {
     std::string stem = settings_.repro + "-" + row.method + "-" + row.rays_kind;
     std::replace(stem.begin() + static_cast<std::ptrdiff_t>(settings_.repro.size()), stem.end(), '/', '-');
+    std::vector<std::string> options = settings_.hit_options;
+    if (!row.test.empty()) options.insert(options.end(), {"--test", row.test});
     const auto written =
         checker.write_bundle(stem, traced.batch, traced.truth, traced.measured.answers, traced.testimony, *row.check,
-                             {settings_.common.command_line, scene_.name, row.method, traced.batch.query});
+                             {settings_.common.command_line, scene_.name, row.method, traced.batch.query, std::move(options)});
     if (written)
       row.repro = *written;
     else

@@ -28,6 +28,8 @@ Json row(const std::string& method, const std::string& kind, double mrays, doubl
       {"ratio_to_embree", mrays / 4},
       {"verdicts", {{"agree", 999000}, {"judged", 1000}, {"right", 1000 - wrong}, {"miss", wrong}, {"far", 0}, {"false", 0}}},
       {"embree_verdicts", {{"miss", 20}, {"far", 0}, {"false", 0}}},
+      {"embree_wrong_per_million", 20.0},
+      {"embree_wrong_per_million_bound95", 20.0},
       {"wrong_per_million", wrong},
       {"wrong_per_million_bound95", wrong > 0 ? wrong : 3.0}};
 }
@@ -117,7 +119,17 @@ TEST(ReportData, ZeroesAreShownAsBounds) {
   const ReportData data(run().dump());
   EXPECT_EQ(data.wrong_cell(*data.rows("primary")[1]).text, "< 3.00");
   EXPECT_EQ(data.wrong_cell(*data.rows("primary")[2]).text, "7.00");
-  EXPECT_EQ(ReportData::witness_wrong_cell(*data.rows("primary")[1]).text, "20.0");
+  EXPECT_EQ(data.witness_wrong_cell(*data.rows("primary")[1]).text, "20.0");
+}
+
+TEST(ReportData, RatesOfNoRaysAreDashes) {
+  Json json = run();
+  for (const char* key : {"wrong_per_million", "wrong_per_million_bound95", "embree_wrong_per_million"})
+    json["benchmarks"][1][key] = nullptr;
+  const ReportData data(json.dump());
+  EXPECT_EQ(data.wrong_cell(*data.rows("primary")[1]).text, "\u2013");
+  EXPECT_EQ(data.witness_wrong_cell(*data.rows("primary")[1]).text, "\u2013");
+  EXPECT_FALSE(ReportData::witness_wrong(*data.rows("primary")[1]));
 }
 
 TEST(ReportHeadline, TheFastestWithoutAWrongHitIsNamed) {

@@ -31,7 +31,8 @@ void expect_refused(const std::vector<std::string>& arguments, const std::string
 }
 
 TEST(TraceOptions, GoodNumbersAreTaken) {
-  const auto settings = parse({"builtin:cornell", "--width", "7", "--height", "5", "--spp", "3", "--count", "11"});
+  const auto settings =
+      parse({"builtin:cornell", "--rays", "primary,edge", "--width", "7", "--height", "5", "--spp", "3", "--count", "11"});
   ASSERT_TRUE(settings) << settings.failure().message;
   EXPECT_EQ(settings->width, 7u);
   EXPECT_EQ(settings->height, 5u);
@@ -68,6 +69,26 @@ TEST(TraceOptions, NumbersHaveTheirRanges) {
   expect_refused({"--traversal-cost", "nan"}, "--traversal-cost");
   expect_refused({"--traversal-cost", "inf"}, "--traversal-cost");
   expect_refused({"--width", "65536", "--height", "65536", "--spp", "1000"}, "--spp");
+}
+
+TEST(TraceOptions, OptionsWithoutEffectAreRefused) {
+  expect_refused({"builtin:cornell", "--schedule", "if-if"}, "--schedule: is about profiles");
+  expect_refused({"builtin:cornell", "--profile", "simt", "--batch", "9"}, "--batch: is about passes");
+  expect_refused({"builtin:cornell", "--compact"}, "--compact: is about passes");
+  expect_refused({"builtin:cornell", "--heatmap-of", "leaves"}, "--heatmap-of: is about heat maps");
+  expect_refused({"builtin:cornell", "--count", "9"}, "--count: is about rays that have no pixels");
+  expect_refused({"builtin:cornell", "--rays", "mine.npy,random", "--spp", "2"}, "--spp: is about rays that have pixels");
+  EXPECT_TRUE(parse({"builtin:cornell", "--profile", "multipass", "--schedule", "drain", "--batch", "9", "--compact"}));
+  EXPECT_TRUE(parse({"builtin:cornell", "--report", "-", "--heatmap-of", "leaves"}));
+  EXPECT_TRUE(parse({"--count", "9", "--spp", "2"})) << "the demo has both kinds of rays";
+  EXPECT_TRUE(parse({"builtin:cornell", "--sweep", "--rays", "primary", "--count", "9"})) << "edge rays are added";
+}
+
+TEST(TraceOptions, OutputsAreDifferentFiles) {
+  expect_refused({"--rays-out", "x.npy", "--hits-out", "./x.npy"}, "--rays-out, --hits-out: only one of them");
+  expect_refused({"--json", "same.html", "--report", "same.html"}, "--json, --report: only one of them");
+  expect_refused({"--json", "-", "--report", "-"}, "standard output");
+  EXPECT_TRUE(parse({"--rays-out", "x.npy", "--hits-out", "y.npy", "--json", "-"}));
 }
 
 // In either order.

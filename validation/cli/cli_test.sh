@@ -77,7 +77,9 @@ test_demo() {
 }
 
 test_check_exact_and_none() {
-  expect 0 trace builtin:cornell --check exact; says out "all hits judged by exact arithmetic"; lacks out Embree
+  expect 0 trace builtin:cornell --check exact --report page.html; says out "all hits judged by exact arithmetic"; lacks out Embree
+  for word in itness "who was right"; do lacks out "$word"; done
+  sed 's/<script.*//' page.html >words.html; lacks words.html "with the witness"; lacks words.html "Who was right"
   expect 0 trace builtin:cornell --check none; says out "not checked"; lacks out Verdicts
 }
 
@@ -166,6 +168,16 @@ test_mismatch_is_status_3() {
   ls accel-repro-*.txt accel-repro-*-rays.npy accel-repro-*.obj >/dev/null || fail "the repro bundle is not there"
 }
 
+# The bundle's own command finds the failures again: with the test, the scene's seed and the builds' options.
+test_repro_bundle_reproduces() {
+  expect 3 trace builtin:soup:3000 --seed 7 --test moeller-trumbore --rays edge --count 50000 --max-leaf-size 2 --repro "it's wrong"
+  local again
+  again=$(sed -n 's/^again *accel-trace //p' "it's wrong"*.txt)
+  echo "$again" >again
+  for option in "--seed 7" "--test moeller-trumbore" "--max-leaf-size 2"; do says again "$option"; done
+  expect 3 eval "trace $again"; grep -qE "(1 ray of 1|([0-9]+) rays of \2) wrong" out || fail "not all are wrong again"
+}
+
 test_usage_errors() {
   quad
   usage_error trace --metod bvh/stack; says err "did you mean '--method'?"
@@ -184,6 +196,9 @@ test_usage_errors() {
   usage_error trace --device gpu; says err --device
   usage_error trace quad.obj another.obj; says err "another.obj"
   usage_error trace --progress maybe; says err --progress
+  usage_error trace --schedule if-if; says err "add --profile"
+  usage_error trace --rays-out same.npy --hits-out ./same.npy; says err "--rays-out, --hits-out"
+  usage_error build quad.obj -o same.accel --json same.accel; says err "--output, --json"
   usage_error trace --quiet --verbose
 }
 
@@ -326,6 +341,14 @@ test_instances() {
   input_error trace part.obj; says err "part.json: instance 2"
 }
 
+test_words_about_one() {
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >one.obj
+  for structure in bvh kdtree grid; do
+    expect 0 build one.obj --stats --structure $structure; lacks out " 1 leaves"; lacks out " 1 levels"
+  done
+  quad; expect 0 build quad.obj --stats --structure bvh --max-leaf-size 1; says out "1 level deep"
+}
+
 test_more_rays_than_memory() {
   expect 1 "$ACCEL_TRACE" builtin:cornell --width 65536 --height 65536 --check none; one_line_error; says err --width
 }
@@ -380,6 +403,7 @@ test_json() {
   json out 'all(set(["name", "method", "rays_kind", "rays", "real_time", "cpu_time", "time_unit", "mrays_per_second", "mrays_min", "mrays_max", "build_seconds", "bytes"]) <= set(b) for b in j["benchmarks"])'
   json out 'all(b["verdicts"]["miss"] == b["verdicts"]["far"] == b["verdicts"]["false"] == 0 for b in j["benchmarks"] if "verdicts" in b)'
   json out 'any("t_ulp" in b for b in j["benchmarks"])'
+  json out 'j["context"]["triangle_test"] == "watertight"'
   json out '[b["method"] for b in j["benchmarks"] if b["rays_kind"] == "primary"][0] == "brute/loop"'
   if has embree; then json out 'all("ratio_to_embree" in b for b in j["benchmarks"]) and any(b["method"] == "Embree" for b in j["benchmarks"])'; fi
   expect 0 trace builtin:cornell --json report.json; says out Speed; json report.json 'len(j["benchmarks"]) >= 1'
@@ -427,6 +451,15 @@ test_report_in_a_browser() {
 test_skips_are_reported() {
   expect 0 "$ACCEL_TRACE" builtin:soup:100000 --method all --width 200 --height 100 --repeat 1
   says out "skipped: brute/loop, because"
+}
+
+# It is the rays that there are whose tests are counted, whatever the picture's size.
+test_skips_count_the_rays() {
+  local large=("$ACCEL_TRACE" builtin:soup:1000 --method all --repeat 1 --width 640 --height 480)
+  expect 0 "${large[@]}" --rays random --count 100 --rays-out rays.npy; lacks out "skipped: brute/loop"
+  expect 0 "${large[@]}" --rays rays.npy; lacks out "skipped: brute/loop"
+  expect 0 trace builtin:soup:30000 --method all --check none; lacks out "skipped: brute/loop"
+  expect 0 trace builtin:soup:30000 --method all --check none --rays soft-shadow; says out "skipped: brute/loop"
 }
 
 test_rays_and_hits_files() {
@@ -521,6 +554,7 @@ test_multipass_profile() {
     expect 0 trace builtin:cornell --profile multipass --schedule $schedule; says out "Multipass profile ($schedule"
   done
   fits_100_columns out
+  expect 0 trace builtin:cornell --profile multipass --compact; says out " 100 %"; lacks out "e+02"
   expect 0 trace builtin:cornell --profile simt,multipass --schedule if-if,drain --batch 100 --compact --json -
   json out 'all("simt" in b and b["multipass"]["batches"] == 8 for b in j["benchmarks"] if b["method"] != "Embree")'
   json out 'all(b["multipass"]["kernels"]["initialize"]["rays"] == 768 for b in j["benchmarks"] if b["method"] != "Embree")'
@@ -538,7 +572,16 @@ test_heatmaps_of_counters() {
 
 test_judge_limit_is_reported() {
   expect 0 trace builtin:cornell --check exact --judge-limit 10
-  says out "--judge-limit left"; says out "right so far"
+  says out "--judge-limit left"; says out "right so far"; says out "every ray is judged"; lacks out witness
+}
+
+# What the limit left out says nothing of how often hits are wrong, nor do rays that are not there.
+test_rates_are_of_what_was_decided() {
+  needs_python
+  expect 0 trace builtin:soup --rays edge --count 20000 --test moeller-trumbore --method bvh8/ordered --check exact --judge-limit 200 --json -
+  json out 'j["benchmarks"][0]["unjudged"] == 19800 and j["benchmarks"][0]["wrong_per_million_bound95"] == 15000'
+  printf 'v 0 0 0\n' >empty.obj; expect 0 trace empty.obj --rays edge --check exact --report page.html; says out "–"
+  expect 0 trace empty.obj --rays edge --check exact --json -; json out 'j["benchmarks"][0]["wrong_per_million_bound95"] is None'
 }
 
 test_cuda_without_device() {
@@ -598,6 +641,22 @@ interrupted_trace() {
 test_interrupt_is_130() { interrupted_trace INT 130; }
 test_terminate_is_143() { interrupted_trace TERM 143; }
 
+# The signal is sent when a profile's first part is done.
+test_interrupted_profiles() {
+  local profile pid
+  for profile in simt "multipass --batch 16384"; do
+    : >err
+    "$ACCEL_TRACE" builtin:soup:50000 --method bvh8/ordered --rays random --count 2000000 --repeat 1 --threads 1 --check none \
+      --profile $profile --progress always >out 2>err &
+    pid=$!
+    until grep -qE "simulating warps|running passes" err; do kill -0 $pid 2>/dev/null || fail "it ended by itself"; sleep 0.05; done
+    kill -TERM $pid
+    wait $pid
+    [ $? -eq 143 ] || fail "not status 143"
+    says err interrupted; is_silent out
+  done
+}
+
 test_interrupted_build_leaves_nothing() {
   interrupted_by TERM 143 "$ACCEL_BUILD" builtin:soup:4000000 -o soup.accel
   [ "$(ls -A | sort | tr '\n' ' ')" = "err out " ] || fail "something was left behind: $(ls -A)"
@@ -622,6 +681,12 @@ test_stress_table() {
   lacks out Embree; says out sbvh/stack; says out bvh/stack
 }
 
+# What is wrong where nothing is promised is worth a bundle, and no failure.
+test_stress_measured_is_no_failure() {
+  expect 0 stress --case rays/farther-away --method kdtree/stack --rays 20000
+  lacks out "NOT AS EXPECTED"; says out "Wrong where it is measured, and nothing is promised"; says out "to reproduce: accel-stress-"
+}
+
 # Rounds depend on the seed alone: a run that goes on counts what one in one go does.
 test_stress_resumes() {
   needs_python
@@ -634,7 +699,7 @@ test_stress_resumes() {
   json out 'j["context"]["executable"] == "accel-trace stress" and all(r["ok"] for r in j["stress"] if "ok" in r)'
   input_error stress --case leaks/1 --rays 1024 --seed 7 --resume state; says err "seed 1"
   echo nonsense >state; input_error stress --case leaks/1 --rays 1024 --resume state; says err "state"
-  echo '{"format": "accel-trace stress, 1", "seed": 1}' >state; input_error stress --case leaks/1 --resume state; says err "damaged"
+  echo '{"format": "accel-trace stress, 2", "seed": 1}' >state; input_error stress --case leaks/1 --resume state; says err "damaged"
 }
 
 test_stress_interrupted_leaves_a_state() {

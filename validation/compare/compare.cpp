@@ -267,7 +267,7 @@ Rate rate(std::uint64_t events, std::uint64_t trials) {
   if (trials == 0) return {};
   const double scale = 1e6 / static_cast<double>(trials);
   const double per_million = static_cast<double>(events) * scale;
-  return {per_million, events == 0 ? 3 * scale : per_million};
+  return {per_million, events == 0 ? std::min(3 * scale, 1e6) : per_million};
 }
 
 }  // namespace accel::validation

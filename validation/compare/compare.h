@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -61,6 +62,14 @@ struct Failure {
   Verdict verdict;
 };
 
+// Events per million trials. Where there were none, `bound95` is 3 / N, below which the true rate lies with 95 % confidence
+// (the rule of three), and never more than a million; otherwise it equals the rate. NaN where nothing was tried.
+struct Rate {
+  double per_million = std::numeric_limits<double>::quiet_NaN();
+  double bound95_per_million = std::numeric_limits<double>::quiet_NaN();
+};
+Rate rate(std::uint64_t events, std::uint64_t trials);
+
 struct CheckResult {
   std::uint64_t rays = 0;
   bool has_witness = false;
@@ -74,6 +83,8 @@ struct CheckResult {
 
   std::uint64_t failures() const { return ours.failures(); }
   bool limit_binds() const { return unjudged > 0; }
+  // Of the rays that were decided: judged, or taken as right because the witness agrees.
+  Rate rate_of(std::uint64_t events) const { return rate(events, rays - unjudged); }
 };
 
 // Closest hits. `ours` has one hit a ray, and so has `witness` unless it is empty.
@@ -84,12 +95,5 @@ Result<CheckResult> compare(const Judge& judge, std::span<const Ray> rays, std::
 // Any-hit answers, nonzero where occluded.
 Result<CheckResult> compare_any(const Judge& judge, std::span<const Ray> rays, std::span<const std::uint8_t> ours,
                                 std::span<const std::uint8_t> witness, const CompareOptions& options = {});
-
-// Events per million trials. Where there were none, `bound95` is 3 / N, below which the true rate lies with 95 % confidence
-// (the rule of three); otherwise it equals the rate.
-struct Rate {
-  double per_million = 0, bound95_per_million = 0;
-};
-Rate rate(std::uint64_t events, std::uint64_t trials);
 
 }  // namespace accel::validation

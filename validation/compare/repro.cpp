@@ -8,6 +8,7 @@
 #include "libaccel/io/atomic_file.h"
 #include "libaccel/io/npy.h"
 #include "validation/compare/error_bounds.h"
+#include "validation/compare/shell_quoted.h"
 
 namespace accel::validation {
 namespace {
@@ -85,11 +86,17 @@ std::set<std::uint32_t> involved(const Judge& judge, const ReproCase& one, const
   return prims;
 }
 
+// Traces the rays of the bundle as the failures were found, and judges them.
+std::string again(const std::filesystem::path& rays, const ReproContext& context) {
+  std::string text = "accel-trace " + shell_quoted(context.scene);
+  for (const std::string& option : context.options) text += " " + shell_quoted(option);
+  return text + " --method " + context.method + " --check exact --rays " + shell_quoted(rays.string());
+}
+
 std::string heading(const std::filesystem::path& rays, std::size_t cases, const ReproContext& context) {
   std::string text = "libaccel: answers that exact arithmetic refutes\n\n";
   text += "found by  " + context.command_line + "\n";
-  text += "again     accel-trace " + context.scene + " --method " + context.method + " --check exact --rays " + rays.string() +
-          "\n";
+  text += "again     " + again(rays, context) + "\n";
   text += "query     " + std::string(context.query == Query::any ? "any hit" : "closest hit") + "\n";
   append(text, "cases     %zu\n", cases);
   return text;

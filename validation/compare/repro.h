@@ -1,6 +1,7 @@
 // The repro bundle: everything that is needed to look at a failure again, in three files beside each other.
 //
-//   STEM.txt       for people: the command line, and for each case its ray, the answers and verdicts, the exact hit, and
+//   STEM.txt       for people: the command line, one that finds the failures again, and for each case its ray, the answers and
+//   verdicts, the exact hit, and
 //                  every triangle involved with what rounding may make of it (error_bounds.h). Numbers in hexadecimal, exact,
 //                  and in decimal.
 //   STEM-rays.npy  the rays, for `accel-trace SCENE --rays STEM-rays.npy`
@@ -32,6 +33,7 @@ struct ReproContext {
   std::string scene;         // as accel-trace takes it
   std::string method;        // likewise
   Query query = Query::closest;
+  std::vector<std::string> options;  // all others that decide hits: the test, the seed of the scene, of builds and packets
 };
 
 // The failures that a comparison listed, with the batch it was made from. `witness` may be empty.

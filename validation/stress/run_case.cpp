@@ -181,6 +181,7 @@ class CaseRun {
     const Result<CheckResult> check = compare(judge, rays, hits, *witness, options);
     if (!check) return check.error();
     add(check->ours, outcome_.ours);
+    outcome_.ours.unjudged += check->unjudged;
     if (run_.witness == StressWitness::embree && check->has_witness) {
       outcome_.robust.rays += rays.size();
       add(check->witness, outcome_.robust);
@@ -203,7 +204,7 @@ class CaseRun {
 
 StressTally& StressTally::operator+=(const StressTally& other) {
   rays += other.rays, leaks += other.leaks, miss += other.miss, far += other.far, false_hit += other.false_hit;
-  broken += other.broken, judged += other.judged;
+  broken += other.broken, judged += other.judged, unjudged += other.unjudged;
   return *this;
 }
 

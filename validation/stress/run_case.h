@@ -23,7 +23,7 @@ struct StressTally {
   std::uint64_t leaks = 0;  // through closed meshes: from inside without a hit, or from outside to the back or through it
   std::uint64_t miss = 0, far = 0, false_hit = 0;  // judged
   std::uint64_t broken = 0;                        // laws, any-hit queries that disagree, builds beyond their budget
-  std::uint64_t judged = 0;
+  std::uint64_t judged = 0, unjudged = 0;          // what a limit left undecided is `unjudged`
 
   std::uint64_t wrong() const { return leaks + miss + far + false_hit + broken; }
   StressTally& operator+=(const StressTally& other);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "libaccel/core/float_bounds.h"
 #include "validation/unit/compare/test_scenes.h"
 
@@ -191,7 +193,16 @@ TEST(Rate, RuleOfThree) {
   EXPECT_DOUBLE_EQ(rate(0, 1'000'000).bound95_per_million, 3);
   EXPECT_DOUBLE_EQ(rate(5, 2'000'000).per_million, 2.5);
   EXPECT_DOUBLE_EQ(rate(5, 2'000'000).bound95_per_million, 2.5);
-  EXPECT_DOUBLE_EQ(rate(0, 0).bound95_per_million, 0);
+  EXPECT_DOUBLE_EQ(rate(0, 1).bound95_per_million, 1e6) << "no more than all";
+  EXPECT_TRUE(std::isnan(rate(0, 0).per_million) && std::isnan(rate(0, 0).bound95_per_million));
+}
+
+// Rays that the limit left out say nothing of how often hits are wrong.
+TEST(Rate, IsOfTheRaysThatWereDecided) {
+  CheckResult check;
+  check.rays = 20'000, check.unjudged = 19'800;
+  EXPECT_DOUBLE_EQ(check.rate_of(0).bound95_per_million, 15'000);
+  EXPECT_DOUBLE_EQ(check.rate_of(1).per_million, 5'000);
 }
 
 }  // namespace

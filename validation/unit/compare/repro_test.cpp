@@ -51,11 +51,15 @@ TEST_F(Repro, HoldsEverythingThatIsNeeded) {
   EXPECT_EQ(cases[0].ray_number, 1);
   EXPECT_EQ(cases[0].verdict, Verdict::miss);
 
-  const auto path = write_repro(folder_ / "found", judge, cases, {"accel-trace demo.ply --seed 7", "demo.ply", "bvh/stack"});
+  const auto path = write_repro(
+      folder_ / "found", judge, cases,
+      {"accel-trace demo.ply --seed 7", "my demo.ply", "bvh/stack", Query::closest, {"--seed", "7", "--test", "woop"}});
   ASSERT_TRUE(path.ok()) << path.message();
   const std::string text = read(*path);
   EXPECT_THAT(text, HasSubstr("found by  accel-trace demo.ply --seed 7\n"));
-  EXPECT_THAT(text, HasSubstr("--method bvh/stack --check exact --rays " + (folder_ / "found-rays.npy").string() + "\n"));
+  EXPECT_THAT(text,
+              HasSubstr("again     accel-trace 'my demo.ply' --seed 7 --test woop --method bvh/stack --check exact --rays " +
+                        (folder_ / "found-rays.npy").string() + "\n"));
   EXPECT_THAT(text, HasSubstr("ray 1: miss\n"));
   EXPECT_THAT(text, HasSubstr("hit at exactly this t: 1\n"));
   EXPECT_THAT(text, HasSubstr("triangle 1\n"));
@@ -82,7 +86,7 @@ TEST_F(Repro, AnyHitAndUnwritableFolders) {
   const Result<CheckResult> result = compare_any(judge, rays, ours, witness);
   ASSERT_TRUE(result.ok());
   const std::vector<ReproCase> cases = repro_cases(*result, rays, ours, std::span<const std::uint8_t>(witness));
-  const auto path = write_repro(folder_ / "any", judge, cases, {"accel-trace", "demo.ply", "bvh/stack", Query::any});
+  const auto path = write_repro(folder_ / "any", judge, cases, {"accel-trace", "demo.ply", "bvh/stack", Query::any, {}});
   ASSERT_TRUE(path.ok()) << path.message();
   const std::string text = read(*path);
   EXPECT_THAT(text, HasSubstr("query     any hit\n"));
