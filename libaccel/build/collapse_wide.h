@@ -11,7 +11,7 @@
 //
 // Where nodes and blocks go, build/wide_layout.h says.
 //
-// Nothing here recurses by the depth of the tree. O(n), and 40 bytes a binary node beside the two trees and the layout.
+// Nothing here recurses by the depth of the tree. O(n), and 36 bytes a binary node beside the two trees and the layout.
 // Parallel, and the same bytes for any number of threads.
 #pragma once
 
