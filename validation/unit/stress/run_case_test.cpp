@@ -53,6 +53,13 @@ TEST(RunCase, DependsOnTheSeedAlone) {
   }
 }
 
+// Without a witness only so many rays are judged, and the others say nothing.
+TEST(RunCase, CountsWhatItLeavesUndecided) {
+  const StressTally tally = run("rays/far-away", {.method = "brute/loop", .rays = 200'000, .threads = 2}).ours;
+  EXPECT_GT(tally.unjudged, 0u);
+  EXPECT_EQ(tally.judged + tally.unjudged, tally.rays);
+}
+
 // The leak test must be able to see leaks: Embree's fast mode has plenty, its robust mode some, on rays where ours has none.
 TEST(RunCase, SeesTheLeaksOfOthers) {
   if (!EmbreeWitness::available()) GTEST_SKIP() << EmbreeWitness::version();
