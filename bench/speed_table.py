@@ -54,7 +54,7 @@ def main():
     widest = max(spread for scene in scenes.values() for _, _, spread in scene.values())
     print(f"`{method}` as a multiple of rtcIntersect1 or rtcOccluded1 (in brackets: of Embree's fastest mode for the rays)\n")
     print("\n".join(table(scenes)))
-    print(f"\n{context['date'][:10]}, {cpu_name()}, {context['threads']} thread(s), {context['witness']}; "
+    print(f"\n{context['date'][:10]}, {cpu_name()}, {context['threads']} thread(s), {context['versions']['embree']}; "
           f"(max - min) / median of our runs: at most {widest:.0%}.")
 
 

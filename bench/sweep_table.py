@@ -79,7 +79,7 @@ def main():
     print(__doc__.split("\n\n", 1)[1])
     print("\n".join(table(rows)))
     print(f"\n{context['date'][:10]}, {context['threads']} threads, {context['width']} x {context['height']} rays of each kind, "
-          f"medians of {context['repeat']} runs in turns, {context['witness']}")
+          f"medians of {context['repeat']} runs in turns, {context['versions']['embree']}")
 
 
 if __name__ == "__main__":
