@@ -1,9 +1,11 @@
 #include "apps/common/progress_bar.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 
 #include "apps/common/interrupt.h"
 #include "apps/common/text.h"
@@ -15,6 +17,13 @@ namespace {
 constexpr auto kPatience = std::chrono::seconds(1);  // before an automatic bar appears
 constexpr auto kRedrawInterval = std::chrono::milliseconds(100);
 constexpr int kBarCells = 24;
+
+// A line that is longer wraps, and is not cleared as a whole.
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : std::numeric_limits<std::size_t>::max();
+}
 
 }  // namespace
 
@@ -45,8 +54,10 @@ void ProgressBar::draw(std::string_view phase, double fraction) {
   const std::string cells =
       std::string(static_cast<std::size_t>(full), '=') + std::string(static_cast<std::size_t>(kBarCells - full), ' ');
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-  const std::string line = print("\r\x1b[K[%s] %3.0f %%  %s: %.*s, %s", cells.c_str(), 100 * fraction, what_.c_str(),
-                                 static_cast<int>(phase.size()), phase.data(), seconds_text(elapsed).c_str());
+  const std::string line =
+      "\r\x1b[K" + clipped(print("[%s] %3.0f %%  %s: %.*s, %s", cells.c_str(), 100 * fraction, what_.c_str(),
+                                 static_cast<int>(phase.size()), phase.data(), seconds_text(elapsed).c_str()),
+                           terminal_width());
   std::fwrite(line.data(), 1, line.size(), stderr);
   std::fflush(stderr);
   drawn_ = true;

@@ -70,6 +70,15 @@ std::string wrapped(std::string_view text, std::size_t width, std::string_view i
   return line.empty() ? lines : lines + std::string(indent) + line + "\n";
 }
 
+std::string clipped(std::string_view text, std::size_t characters) {
+  std::size_t end = 0;
+  for (; end < text.size(); ++end) {
+    const bool begins = (static_cast<unsigned char>(text[end]) & 0xc0u) != 0x80u;
+    if (begins && characters-- == 0) break;
+  }
+  return std::string(text.substr(0, end));
+}
+
 std::vector<std::string> split(std::string_view text, char separator) {
   constexpr std::string_view kSpace = " \t\r\n";
   std::vector<std::string> parts;

@@ -32,6 +32,9 @@ std::string it_has(std::uint64_t count);
 // The text in lines of at most `width` columns, broken at spaces, each indented and ended.
 std::string wrapped(std::string_view text, std::size_t width, std::string_view indent);
 
+// Its beginning, of so many characters of UTF-8 at most.
+std::string clipped(std::string_view text, std::size_t characters);
+
 // The parts of `text` between separators, without white space at their ends. Empty parts are kept.
 std::vector<std::string> split(std::string_view text, char separator);
 

@@ -51,6 +51,15 @@ TEST(Text, JoinAndCount) {
   EXPECT_EQ(counted(1000, "ray"), "1,000 rays");
 }
 
+TEST(Text, ClipsBetweenCharacters) {
+  EXPECT_EQ(clipped("hall.ply", 4), "hall");
+  EXPECT_EQ(clipped("hall.ply", 8), "hall.ply");
+  EXPECT_EQ(clipped("hall.ply", 100), "hall.ply");
+  EXPECT_EQ(clipped("B\xc3\xbcro", 2), "B\xc3\xbc");
+  EXPECT_EQ(clipped("B\xc3\xbcro", 1), "B");
+  EXPECT_EQ(clipped("", 0), "");
+}
+
 TEST(Text, WrapsAtSpaces) {
   EXPECT_EQ(wrapped("one two three", 9, "  "), "  one two\n  three\n");
   EXPECT_EQ(wrapped("one two three", 100, ""), "one two three\n");
