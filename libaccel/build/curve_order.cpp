@@ -57,7 +57,7 @@ class Sorter {
       for (std::size_t i = begin; i < end; ++i) words[i] = word(static_cast<std::uint32_t>(i));
     });
     if (sort_words(words.data(), other.data(), n, kFirstBit) != words.data()) std::swap(words, other);
-    for_chunks(0, count_, [&](std::size_t, std::size_t begin, std::size_t end) { sort_runs(words.data(), begin, end); });
+    sort_runs(words.data());
     return {std::move(words), count_, id_bits_};
   }
 
@@ -71,8 +71,23 @@ class Sorter {
     return cells_.code(references_[word & ((std::uint64_t{1} << id_bits_) - 1)].box());
   }
 
-  // Sorts the runs of equal upper bits that start in [begin, end) by all of them.
-  void sort_runs(std::uint64_t* words, std::size_t begin, std::size_t end) const {
+  struct Run {
+    std::size_t begin, end;
+  };
+
+  // Sorts the long runs of equal upper bits by all of them. Who looks for runs reads those that end in his chunk, so none is
+  // sorted until all are found.
+  void sort_runs(std::uint64_t* words) const {
+    std::vector<std::vector<Run>> runs(chunk_count(count_));
+    for_chunks(0, count_,
+               [&](std::size_t chunk, std::size_t begin, std::size_t end) { runs[chunk] = long_runs(words, begin, end); });
+    tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t chunk) {
+      for (const Run& run : runs[chunk]) sort_run(words + run.begin, words + run.end);
+    });
+  }
+  // Those that start in [begin, end).
+  std::vector<Run> long_runs(const std::uint64_t* words, std::size_t begin, std::size_t end) const {
+    std::vector<Run> runs;
     const auto is_same = [&](std::size_t i, std::size_t j) { return words[i] >> kFirstBit == words[j] >> kFirstBit; };
     std::size_t i = begin;
     while (i > 0 && i < end && is_same(i, i - 1)) ++i;
@@ -83,9 +98,10 @@ class Sorter {
         continue;
       }
       while (last < count_ && is_same(i, last)) ++last;
-      sort_run(words + i, words + last);
+      runs.push_back({i, last});
       i = last;
     }
+    return runs;
   }
   // By all threads where it is long: a scene may be a point beside something far away.
   template <class Value>
