@@ -29,11 +29,12 @@ struct Pairs {
 using Histogram = std::array<std::uint32_t, 1u << kRadixBits>;
 
 // Turns the counts of each chunk's digits into where they go. False, with nothing of use in them, if there is one digit only.
-inline bool place_digits(std::vector<Histogram>& counts, std::size_t n) {
+template <std::size_t kDigits>
+bool place_digits(std::vector<std::array<std::uint32_t, kDigits>>& counts, std::size_t n) {
   std::uint32_t next = 0;
-  for (std::size_t digit = 0; digit < Histogram{}.size(); ++digit) {
+  for (std::size_t digit = 0; digit < kDigits; ++digit) {
     const std::uint32_t first = next;
-    for (Histogram& count : counts) next += std::exchange(count[digit], next);
+    for (auto& count : counts) next += std::exchange(count[digit], next);
     if (next - first == n) return false;
   }
   return true;
@@ -62,14 +63,14 @@ bool sort_by_digit(const Pairs<Key>& from, const Pairs<Key>& to, std::size_t n, 
 
 }  // namespace radix_detail
 
-// Sorts by bits [first_bit, last_bit) of the keys, in whole digits from first_bit on; equals keep their order.
+// Sorts by the keys; equals keep their order.
 template <class Key>
-void radix_sort(Key* keys, std::uint32_t* values, std::size_t n, int first_bit = 0, int last_bit = 8 * sizeof(Key)) {
+void radix_sort(Key* keys, std::uint32_t* values, std::size_t n) {
   static_assert(std::is_unsigned_v<Key>);
   Buffer<Key> other_keys(n);
   Buffer<std::uint32_t> other_values(n);
   radix_detail::Pairs<Key> from{keys, values}, to{other_keys.data(), other_values.data()};
-  for (int shift = first_bit; shift < last_bit; shift += kRadixBits)
+  for (int shift = 0; shift < 8 * static_cast<int>(sizeof(Key)); shift += kRadixBits)
     if (radix_detail::sort_by_digit(from, to, n, shift)) std::swap(from, to);
   if (from.keys == keys) return;
   for_chunks(0, n, [&](std::size_t, std::size_t begin, std::size_t end) {

@@ -9,6 +9,7 @@
 #include <tbb/task_arena.h>
 
 #include "libaccel/build/parallel.h"
+#include "libaccel/build/radix_sort.h"
 
 namespace accel {
 namespace {
@@ -40,17 +41,6 @@ class Parts {
   std::size_t n_, count_;
 };
 
-// Turns the counts of each part's digits into where they go. False, with nothing of use in them, if there is one digit only.
-bool place_digits(std::vector<Histogram>& counts, std::size_t n) {
-  std::uint32_t next = 0;
-  for (std::size_t digit = 0; digit < kDigits; ++digit) {
-    const std::uint32_t first = next;
-    for (Histogram& count : counts) next += std::exchange(count[digit], next);
-    if (next - first == n) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 std::uint64_t* sort_words(std::uint64_t* words, std::uint64_t* other, std::size_t n, int first_bit) {
@@ -62,7 +52,7 @@ std::uint64_t* sort_words(std::uint64_t* words, std::uint64_t* other, std::size_
       count.fill(0);
       for (std::size_t i = begin; i < end; ++i) ++count[digit_of(words[i], shift)];
     });
-    if (!place_digits(counts, n)) continue;
+    if (!radix_detail::place_digits(counts, n)) continue;
     parts.for_each([&](std::size_t part, std::size_t begin, std::size_t end) {
       Histogram& next = counts[part];
       for (std::size_t i = begin; i < end; ++i) other[next[digit_of(words[i], shift)]++] = words[i];
