@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <numeric>
 
 #include "libaccel/packet/frustums_simd.h"
@@ -14,14 +15,24 @@ namespace {
 
 constexpr std::size_t kRunAsTheyCome = 64;  // rays that are placed together where nothing is sorted
 
+// Where the faces [first, end) end to be the first one. Eight at a time, since most runs have one face.
+std::size_t end_of_face(const std::uint8_t* faces, std::size_t first, std::size_t end) {
+  const std::uint64_t eight = faces[first] * 0x0101010101010101ull;
+  std::size_t next = first;
+  for (std::uint64_t some; next + 8 <= end; next += 8) {
+    std::memcpy(&some, faces + next, sizeof some);
+    if (some != eight) break;
+  }
+  while (next < end && faces[next] == faces[first]) ++next;
+  return next;
+}
+
 // body(first, end): rays of one face that follow each other, of n rays in runs of so many, of which run_at(i) comes i-th.
 template <class RunAt, class Body>
 void for_each_piece(const std::uint8_t* faces, std::size_t n, std::size_t run, const RunAt& run_at, const Body& body) {
   for (std::size_t r = 0; r < (n + run - 1) / run; ++r)
-    for (std::size_t first = run_at(r) * run, end = std::min(first + run, n), next; first < end; first = next) {
-      for (next = first + 1; next < end && faces[next] == faces[first];) ++next;
-      body(first, next);
-    }
+    for (std::size_t first = run_at(r) * run, end = std::min(first + run, n), next; first < end; first = next)
+      body(first, next = end_of_face(faces, first, end));
 }
 
 }  // namespace
@@ -42,11 +53,10 @@ void BlockOrder::sort(std::uint32_t run) {
 void BlockOrder::sort_runs(std::uint32_t run) {
   const std::size_t n = rays_.size(), count = (n + run - 1) / run;
   values_.resize(count), keys_.resize(count), runs_.resize(count);
+  for (std::size_t r = 0; r < count; ++r) runs_[r] = static_cast<std::uint32_t>(std::min(r * run + run / 2, n - 1));
+  hash_rays_simd(hash_, rays_.data(), runs_.data(), count, values_.data());
   std::uint64_t differ = 0;
-  for (std::size_t r = 0; r < count; ++r) {
-    values_[r] = hash_(rays_[std::min(r * run + run / 2, n - 1)]);
-    differ |= values_[r] ^ values_[0];
-  }
+  for (std::size_t r = 0; r < count; ++r) differ |= values_[r] ^ values_[0];
   const int shift = std::max(0, static_cast<int>(std::bit_width(differ)) - kKeyBits);
   for (std::size_t r = 0; r < count; ++r) keys_[r] = static_cast<std::uint32_t>(values_[r] >> shift) & ((1u << kKeyBits) - 1);
   std::iota(runs_.begin(), runs_.end(), 0u);
@@ -63,13 +73,13 @@ void BlockOrder::place_runs(std::size_t run, const RunAt& run_at) {
   for_each_piece(
       faces, n, run, [](std::size_t r) { return r; },
       [&](std::size_t first, std::size_t end) { places[faces[first]] += static_cast<std::uint32_t>(end - first); });
+  ids_.resize(n), faces_.clear();
+  for (std::size_t face = 0; face < places.size(); ++face)
+    faces_.insert(faces_.end(), places[face], static_cast<std::uint8_t>(face));
   std::exclusive_scan(places.begin(), places.end(), places.begin(), 0u);
-  ids_.resize(n), faces_.resize(n);
   for_each_piece(faces, n, run, run_at, [&](std::size_t first, std::size_t end) {
     std::uint32_t& place = places[faces[first]];
-    std::iota(ids_.data() + place, ids_.data() + place + (end - first), static_cast<std::uint32_t>(first));
-    std::fill_n(faces_.data() + place, end - first, faces[first]);
-    place += static_cast<std::uint32_t>(end - first);
+    for (std::size_t id = first; id < end; ++id) ids_[place++] = static_cast<std::uint32_t>(id);
   });
 }
 

@@ -15,7 +15,7 @@
 #include "libaccel/core/aabb.h"
 #include "libaccel/core/ray.h"
 #include "libaccel/packet/frustum.h"
-#include "libaccel/packet/ray_hash.h"
+#include "libaccel/packet/ray_hash_simd.h"
 
 namespace accel {
 
@@ -27,7 +27,7 @@ class BlockOrder {
  public:
   static constexpr int kKeyBits = 24;
 
-  BlockOrder(const Aabb& bounds, float cell_fraction) : hash_(Hash::make(bounds, cell_fraction)) {}
+  BlockOrder(const Aabb& bounds, float cell_fraction) : hash_(FineRayHash::make(bounds, cell_fraction)) {}
 
   // Fewer than 2^32 rays, which are read by later calls too.
   void begin(std::span<const Ray> rays);
@@ -41,13 +41,11 @@ class BlockOrder {
   std::span<const std::uint8_t> faces() const { return faces_; }
 
  private:
-  using Hash = RayHash<std::uint64_t, kFineDirectionBits>;
-
   void sort_runs(std::uint32_t run);
   template <class RunAt>
   void place_runs(std::size_t run, const RunAt& run_at);
 
-  Hash hash_;
+  FineRayHash hash_;
   std::span<const Ray> rays_;
   std::vector<std::uint8_t> faces_by_ray_, faces_;
   std::vector<std::uint64_t> values_;  // of runs, as are keys_

@@ -11,6 +11,7 @@
 
 #include "libaccel/packet/bvh8_packets_simd.h"
 #include "libaccel/packet/frustum_boxes_simd-inl.h"
+#include "libaccel/packet/frustum_simd-inl.h"
 #include "libaccel/packet/packet_simd-inl.h"
 #include "libaccel/packet/watertight_simd-inl.h"
 #include "libaccel/trace/bvh8_ray.h"
@@ -32,7 +33,7 @@ struct alignas(64) PacketBoxes {
   float inv_far[3][kMaxPacketSize];
   std::uint32_t octant;    // of most rays
   std::uint32_t reversal;  // 0, or 7: children from the far end on
-  bool is_one_way;         // of all rays, along all axes
+  bool is_one_way;         // all rays go the way of the octant
 };
 
 HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, bool from_far_end, PacketBoxes& boxes) {
@@ -46,32 +47,43 @@ HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, bool from
     }
 }
 
-// A child's planes, in all lanes: the ones that rays of the octant meet first, and last.
+// What all rays of a packet have in common.
+enum class Share { nothing, way, way_and_origin };
+
+// A child's planes, in all lanes: the ones that rays of the octant meet first, and last; relative to a shared origin.
+template <Share kShare>
 struct ChildPlanes {
   Floats near_plane[3], far_plane[3];
 
-  HWY_INLINE ChildPlanes(const Bvh8Node& node, std::uint32_t c, std::uint32_t octant) {
+  HWY_INLINE ChildPlanes(const Packet& p, const Bvh8Node& node, std::uint32_t c, std::uint32_t octant) {
     for (int a = 0; a < 3; ++a) {
       const std::uint32_t side = octant >> a & 1u;
       near_plane[a] = set(node.plane(a, side, c)), far_plane[a] = set(node.plane(a, side ^ 1u, c));
+      if constexpr (kShare == Share::way_and_origin) {
+        near_plane[a] = hn::Sub(near_plane[a], set(p.origin[a])), far_plane[a] = hn::Sub(far_plane[a], set(p.origin[a]));
+      }
     }
   }
 };
 
-// Bvh8Ray::enters(), of the rays from lane i on. kOneWay: all rays go the way of the octant.
-template <bool kOneWay>
-HWY_INLINE Mask enter_child(const Packet& p, const PacketBoxes& boxes, std::uint32_t i, const ChildPlanes& child) {
+// Bvh8Ray::enters(), of the rays from lane i on.
+template <Share kShare>
+HWY_INLINE Mask enter_child(const Packet& p, const PacketBoxes& boxes, std::uint32_t i, const ChildPlanes<kShare>& child) {
   Floats nearer[3], farther[3];
   for (int a = 0; a < 3; ++a) {
-    const Floats org = load(p.org[a] + i), inv = load(p.inv[a] + i);
+    const Floats inv = load(p.inv[a] + i);
     Floats near_plane = child.near_plane[a], far_plane = child.far_plane[a];
-    if constexpr (!kOneWay) {
+    if constexpr (kShare == Share::nothing) {
       const Mask backwards = hn::Lt(inv, set(0)), is_octant = (boxes.octant >> a & 1u) != 0 ? backwards : hn::Not(backwards);
       near_plane = hn::IfThenElse(is_octant, child.near_plane[a], child.far_plane[a]);
       far_plane = hn::IfThenElse(is_octant, child.far_plane[a], child.near_plane[a]);
     }
-    nearer[a] = hn::Mul(hn::Sub(near_plane, org), inv);
-    farther[a] = hn::Mul(hn::Sub(far_plane, org), load(boxes.inv_far[a] + i));
+    if constexpr (kShare != Share::way_and_origin) {
+      const Floats org = load(p.org[a] + i);
+      near_plane = hn::Sub(near_plane, org), far_plane = hn::Sub(far_plane, org);
+    }
+    nearer[a] = hn::Mul(near_plane, inv);
+    farther[a] = hn::Mul(far_plane, load(boxes.inv_far[a] + i));
   }
   const Floats limit = hn::Mul(load(p.t + i), set(PaddedSlabs::kEndScale));
   const Floats enter = most(most(nearer[1], nearer[2]), most(nearer[0], load(p.t_min + i)));
@@ -106,23 +118,20 @@ struct Postponed {
 };
 
 // Every ray of the groups that enters the child goes there. Returns false if there is none.
-template <bool kOneWay>
-HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, const PacketBoxes& boxes, Active& active,
-                      GroupWork& work) {
-  const ChildPlanes child(node, to.child, boxes.octant);
+template <Share kShare>
+HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, const PacketBoxes& boxes, Active& active) {
+  const ChildPlanes<kShare> child(p, node, to.child, boxes.octant);
   active.groups = 0;
   Active::for_each(to.groups, [&](std::uint32_t g) HWY_ATTR {
-    const Mask entered = enter_child<kOneWay>(p, boxes, g * width(), child);
+    const Mask entered = enter_child(p, boxes, g * width(), child);
     hn::StoreMaskBits(kFloats, entered, active.rays[g]);
-    const std::size_t rays = hn::CountTrue(kFloats, entered);
-    active.groups |= static_cast<GroupBits>(rays != 0) << g;
-    work.nodes += rays != 0, work.rays += rays;
+    active.groups |= static_cast<GroupBits>(!hn::AllFalse(kFloats, entered)) << g;
   });
   return active.groups != 0;
 }
 
 // Returns how many new answers there are.
-template <Query kQuery>
+template <Query kQuery, Share kShare>
 HWY_INLINE std::uint32_t intersect_leaf(const TriangleBlock* blocks, NodeRef leaf, const Active& active, Packet& p) {
   std::uint32_t answered = 0;
   const TriangleBlock* block = blocks + first_block(leaf);
@@ -130,8 +139,9 @@ HWY_INLINE std::uint32_t intersect_leaf(const TriangleBlock* blocks, NodeRef lea
   for (std::uint32_t b = 0; count != 0 ? b < count : block->has(0); ++b, ++block)
     for (std::uint32_t lane = 0; lane < kBlockLanes && block->has(lane); ++lane) {
       const PackedTriangle triangle = block->packed(lane);
+      GroupTest<kQuery, kShare == Share::way_and_origin> test(p, triangle);
       Active::for_each(active.groups, [&](std::uint32_t g) HWY_ATTR {
-        answered += intersect_group<kQuery>(p, g * width(), hn::LoadMaskBits(kFloats, active.rays[g]), triangle);
+        answered += test.intersect(g * width(), hn::LoadMaskBits(kFloats, active.rays[g]));
       });
     }
   return answered;
@@ -144,9 +154,8 @@ HWY_INLINE void fetch(const Bvh8View& view, NodeRef ref) {
   for (std::size_t line = 0; line < sizeof(Bvh8Node); line += 64) hwy::Prefetch(at + line);
 }
 
-template <Query kQuery, bool kOneWay>
-HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const PacketBoxes& boxes, Packet& p,
-                             GroupWork& work) {
+template <Query kQuery, Share kShare>
+HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const PacketBoxes& boxes, Packet& p) {
   Postponed stack[bvh8_stack_size(kMostBvh8Depth)];
   std::size_t size = 0;
   NodeRef ref = view.root;
@@ -163,47 +172,49 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const
         if ((met >> c & 1u) != 0) fetch(view, node.child[c]);
       }
     } else {
-      answered += intersect_leaf<kQuery>(view.blocks, ref, active, p);
+      answered += intersect_leaf<kQuery, kShare>(view.blocks, ref, active, p);
       if (kQuery == Query::any && answered == p.size) return;
     }
     const Bvh8Node* parent;
     do {
       if (size == 0) return;
       parent = view.nodes + stack[--size].node;
-    } while (!enter<kOneWay>(stack[size], *parent, p, boxes, active, work));
+    } while (!enter<kShare>(stack[size], *parent, p, boxes, active));
     ref = parent->child[stack[size].child];
   }
 }
 
 template <Query kQuery, class Answer>
-HWY_INLINE GroupWork trace_packets(const Bvh8View& view, const LocalizedBatch& batch, bool from_far_end, Answer* answers) {
+HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, bool from_far_end,
+                              Answer* answers) {
   Packet packet;
   PacketBoxes boxes;
-  GroupWork work;
+  const Aabb bounds = bounds_of_children(view.nodes[view.root]);
   const std::uint32_t most = std::min(kMostGroups * width(), kMaxPacketSize);
   for (std::size_t i = 0; i < batch.count; ++i) {
-    const Frustum& frustum = batch.frustums[i];
     const std::uint32_t end = batch.packets[batch.active[i] + 1];
     for (std::uint32_t first = batch.packets[batch.active[i]], size; first < end; first += size) {
       size = std::min(end - first, most);
-      load_rays(batch.rays, batch.ids + first, size, packet);
-      prepare_rays(frustum.axis(), packet);
+      load_rays(batch.rays, batch.ids + first, size, faces[first] >> 1, packet);
+      const Frustum frustum = frustum_of(packet, faces[first], bounds);
       prepare_boxes(packet, frustum, from_far_end, boxes);
-      if (HWY_LIKELY(boxes.is_one_way))
-        trace_packet<kQuery, true>(view, frustum, boxes, packet, work);
+      if (HWY_UNLIKELY(!boxes.is_one_way))
+        trace_packet<kQuery, Share::nothing>(view, frustum, boxes, packet);
+      else if (packet.has_one_origin)
+        trace_packet<kQuery, Share::way_and_origin>(view, frustum, boxes, packet);
       else
-        trace_packet<kQuery, false>(view, frustum, boxes, packet, work);
+        trace_packet<kQuery, Share::way>(view, frustum, boxes, packet);
       for (std::uint32_t r = 0; r < size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
     }
   }
-  return work;
 }
 
-GroupWork intersect(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits) {
-  return trace_packets<Query::closest>(view, batch, false, hits);
+void intersect(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits) {
+  trace_packets<Query::closest>(view, batch, faces, false, hits);
 }
-GroupWork occlude(const Bvh8View& view, const LocalizedBatch& batch, bool from_far_end, std::uint8_t* occluded) {
-  return trace_packets<Query::any>(view, batch, from_far_end, occluded);
+void occlude(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, bool from_far_end,
+             std::uint8_t* occluded) {
+  trace_packets<Query::any>(view, batch, faces, from_far_end, occluded);
 }
 
 }  // namespace
@@ -216,12 +227,12 @@ namespace accel {
 HWY_EXPORT(intersect);
 HWY_EXPORT(occlude);
 
-GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits) {
-  return HWY_DYNAMIC_DISPATCH(intersect)(view, batch, hits);
+void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits) {
+  HWY_DYNAMIC_DISPATCH(intersect)(view, batch, faces, hits);
 }
-GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded,
-                                  bool from_far_end) {
-  return HWY_DYNAMIC_DISPATCH(occlude)(view, batch, from_far_end, occluded);
+void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces,
+                             std::uint8_t* occluded, bool from_far_end) {
+  HWY_DYNAMIC_DISPATCH(occlude)(view, batch, faces, from_far_end, occluded);
 }
 }  // namespace accel
 #endif

@@ -14,17 +14,17 @@
 #include <cstdint>
 
 #include "libaccel/packet/localized.h"
-#include "libaccel/packet/ray_groups_simd.h"
 #include "libaccel/structure/bvh8.h"
 
 namespace accel {
 
-// answers[i] answers rays[i] for all rays of active packets; nothing else is written. The tree has a node and is no deeper than
-// kMostBvh8Depth. Of the batch, rays, packets and frustums are read; frustum i is that of active packet i.
-GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, Hit* hits);
+// answers[i] answers rays[i] for all rays of active packets; nothing else is written. faces[k] is the face of ray ids[k], the
+// same for all rays of a packet. The tree has a node and is no deeper than kMostBvh8Depth. Of the batch, only rays and packets
+// are read.
+void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits);
 //
 // Any-hit queries may begin at the far end: what is around a light is in the way of many rays, or of none.
-GroupWork trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, std::uint8_t* occluded,
-                                  bool from_far_end = false);
+void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces,
+                                  std::uint8_t* occluded, bool from_far_end = false);
 
 }  // namespace accel

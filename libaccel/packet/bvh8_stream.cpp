@@ -78,7 +78,7 @@ void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<
   }
   if (is_trial && plan.trial_distance == 1) plan.run = better_run(rays);
   order_.begin(rays);
-  make_packets(rays, plan.run, options_.max_size);
+  make_packets(plan.run, options_.max_size);
   const std::size_t places = is_trial && packets_.count() >= kShareOfTrials * kPlaces * kWays ? kPlaces : 0;
   if (places > 0) try_ways(rays, answers, plan);
   plan_.store(plan, std::memory_order_relaxed);
@@ -97,8 +97,19 @@ template <class Answer>
 std::uint8_t Bvh8StreamTracer<Answer>::better_run(std::span<const Ray> rays) {
   const auto some = rays.first(kOrdered);
   order_.begin(some);
-  const double in_runs = make_packets(some, kRun, kComparedSize), as_they_come = make_packets(some, 0, kComparedSize);
+  const double in_runs = width_in_runs(some, kRun), as_they_come = width_in_runs(some, 0);
   return in_runs * kCostOfRuns < as_they_come ? kRun : 0;
+}
+
+template <class Answer>
+double Bvh8StreamTracer<Answer>::width_in_runs(std::span<const Ray> rays, std::uint32_t run) {
+  make_packets(run, kComparedSize);
+  make_frustums_simd(packets_.batch({}, rays.data(), order_.ids().data()), order_.faces().data(), bounds_,
+                     packets_.frustums().data());
+  double width = 0;
+  for (std::size_t i = 0; i < packets_.count(); ++i)
+    width += static_cast<double>(packets_.size_of(i)) * packets_.frustums()[i].width();
+  return width;
 }
 
 template <class Answer>
@@ -130,28 +141,22 @@ void Bvh8StreamTracer<Answer>::trace_packets(Way way, std::size_t first, std::si
                                              std::span<Answer> answers) {
   LocalizedBatch batch = packets_.batch({}, rays.data(), order_.ids().data());
   batch.active += first, batch.count = end - first;
-  batch.frustums = packets_.frustums().data() + first;
   if (way == Way::turns) {
     begin_gathering();
     for (std::size_t i = 0; i < batch.count; ++i) gather(batch.packets[batch.active[i]], batch.packets[batch.active[i] + 1]);
     trace_gathered(rays, answers);
   } else if constexpr (kIsAnyHit) {
-    trace_bvh8_packets_simd(view_, batch, answers.data(), way == Way::packets_from_far_end);
+    trace_bvh8_packets_simd(view_, batch, order_.faces().data(), answers.data(), way == Way::packets_from_far_end);
   } else {
-    trace_bvh8_packets_simd(view_, batch, answers.data());
+    trace_bvh8_packets_simd(view_, batch, order_.faces().data(), answers.data());
   }
 }
 
 template <class Answer>
-double Bvh8StreamTracer<Answer>::make_packets(std::span<const Ray> rays, std::uint32_t run, std::uint32_t size) {
+void Bvh8StreamTracer<Answer>::make_packets(std::uint32_t run, std::uint32_t size) {
   order_.sort(run);
   const std::uint8_t* const faces = order_.faces().data();
   packets_.cut(faces, faces, order_.faces().size(), size, std::min(options_.min_size, size));
-  make_frustums_simd(packets_.batch({}, rays.data(), order_.ids().data()), faces, bounds_, packets_.frustums().data());
-  double width = 0;
-  for (std::size_t i = 0; i < packets_.count(); ++i)
-    width += static_cast<double>(packets_.size_of(i)) * packets_.frustums()[i].width();
-  return width;
 }
 
 template <class Answer>

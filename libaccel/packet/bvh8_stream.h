@@ -75,8 +75,10 @@ class Bvh8StreamTracer {
     for (std::uint32_t i = first; i < end; ++i) gathered_.push_back(order_.ids()[i]);
   }
   void trace_gathered(std::span<const Ray> rays, std::span<Answer> answers);
-  // The rays in runs of so many, cut into packets with frustums. Returns how wide these are, summed over rays.
-  double make_packets(std::span<const Ray> rays, std::uint32_t run, std::uint32_t size);
+  // The block in runs of so many rays, cut into packets.
+  void make_packets(std::uint32_t run, std::uint32_t size);
+  // How wide the frustums of a block are in runs of so many rays, summed over rays.
+  double width_in_runs(std::span<const Ray> rays, std::uint32_t run);
 
   Bvh8View view_;
   PacketOptions options_;

@@ -4,6 +4,7 @@
 // Above all other headers.
 #include <hwy/highway.h>
 
+#include "libaccel/packet/frustum_simd-inl.h"
 #include "libaccel/packet/frustums_simd.h"
 #include "libaccel/packet/packet_simd-inl.h"
 
@@ -11,43 +12,6 @@ HWY_BEFORE_NAMESPACE();
 namespace accel {
 namespace HWY_NAMESPACE {
 namespace {
-
-// What make_frustum() (packet/frustum.h) finds.
-HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& bounds) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
-  Frustum frustum{.face = face};
-  const int axis = frustum.axis();
-  Floats nearest = set(kInfinity), farthest = set(-kInfinity), origins = hn::Zero(kFloats);
-  std::size_t negative[3] = {};
-  for (std::uint32_t i = 0; i < p.lanes; i += width) {
-    const Floats org = load(p.org[axis] + i), dir = load(p.dir[axis] + i);
-    const Floats first = hn::Add(org, hn::Mul(dir, load(p.t_min + i))), last = hn::Add(org, hn::Mul(dir, load(p.t + i)));
-    // Lanes without a ray are beyond all others.
-    const auto is_ray = hn::Lt(load(p.t_min + i), set(kInfinity));
-    nearest = hn::IfThenElse(is_ray, least(least(first, last), nearest), nearest);
-    farthest = hn::IfThenElse(is_ray, most(most(first, last), farthest), farthest);
-    for (int a = 0; a < 3; ++a) {
-      origins = most(hn::Abs(load(p.org[a] + i)), origins);
-      negative[a] += hn::CountTrue(kFloats, hn::And(is_ray, hn::Lt(load(p.dir[a] + i), hn::Zero(kFloats))));
-    }
-  }
-  for (int a = 0; a < 3; ++a) frustum.signs |= (2 * negative[a] > p.size ? 1u : 0u) << a;
-  const float begin = max_of(least_lane(nearest), bounds.lo[axis]), end = min_of(most_lane(farthest), bounds.hi[axis]);
-
-  detail::Range first[2], last[2];
-  for (int s = 0; s < 2; ++s) {
-    const int a = frustum.side_axis(s);
-    Floats least_first = set(kInfinity), most_first = set(-kInfinity), least_last = least_first, most_last = most_first;
-    for (std::uint32_t i = 0; i < p.lanes; i += width) {
-      const Floats x0 = at_plane(p, i, axis, a, begin), x1 = at_plane(p, i, axis, a, end);
-      least_first = least(x0, least_first), most_first = most(x0, most_first);
-      least_last = least(x1, least_last), most_last = most(x1, most_last);
-    }
-    first[s] = {least_lane(least_first), most_lane(most_first)}, last[s] = {least_lane(least_last), most_lane(most_last)};
-  }
-  frustum.set_sides(begin, end, first, last, most_lane(origins));
-  return frustum;
-}
 
 HWY_INLINE Mask within(Floats v, float limit) { return hn::Le(hn::Abs(v), set(limit)); }
 
@@ -77,7 +41,7 @@ void find_faces(const Ray* rays, std::size_t count, std::uint8_t* faces) {
   const hn::Rebind<std::int32_t, decltype(kFloats)> ints;
   const hn::Rebind<std::uint8_t, decltype(kFloats)> bytes;
   for (std::size_t i = 0; i < whole; i += width)
-    hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(ints, faces_of(load_lanes(rays + i)))), bytes, faces + i);
+    hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(ints, faces_of(load_lanes(rays + i, rays + i + width / 2)))), bytes, faces + i);
   for (std::size_t i = whole; i < count; ++i) faces[i] = static_cast<std::uint8_t>(face_of(rays[i]));
 }
 
@@ -85,7 +49,7 @@ void make(const LocalizedBatch& batch, const std::uint8_t* faces, const Aabb& bo
   Packet packet;
   for (std::size_t i = 0; i < batch.count; ++i) {
     const std::uint32_t first = batch.packets[batch.active[i]], end = batch.packets[batch.active[i] + 1];
-    load_rays(batch.rays, batch.ids + first, end - first, packet);
+    load_rays(batch.rays, batch.ids + first, end - first, faces[first] >> 1, packet);
     frustums[i] = frustum_of(packet, faces[first], bounds);
   }
 }

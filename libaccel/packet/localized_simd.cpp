@@ -29,8 +29,8 @@ HWY_INLINE void begin_groups(const Frustum& frustum, const Packet& p, GroupFrust
   for (std::uint32_t i = 0, g = 0; i < p.lanes; i += width, ++g) {
     groups.begin[g] = frustum.begin, groups.end[g] = frustum.end;
     for (int s = 0; s < 2; ++s) {
-      const Floats x0 = at_plane(p, i, p.kz, frustum.side_axis(s), frustum.begin);
-      const Floats x1 = at_plane(p, i, p.kz, frustum.side_axis(s), frustum.end);
+      const Floats x0 = at_plane(p, i, s, frustum.begin);
+      const Floats x1 = at_plane(p, i, s, frustum.end);
       const detail::Range first{least_lane(x0), most_lane(x0)}, last{least_lane(x1), most_lane(x1)};
       const Frustum::Side side = Frustum::side_between(first, last, length, is_flat, frustum.slack);
       groups.lower[s][g] = side.lower, groups.lower_slope[s][g] = side.lower_slope;
@@ -112,10 +112,10 @@ HWY_INLINE std::uint32_t intersect_leaf(const LocalizedBatch& batch, const Frust
   std::uint32_t answered = 0;
   if (group_count == 0) return answered;
   for (std::uint32_t quad = leaf_quad(node.child[c]); !is_end_of_leaf(batch.leaves, quad); quad += kQuadsPerTriangle) {
-    const PackedTriangle& triangle = packed_triangle(batch.leaves, quad);
+    GroupTest<kQuery> triangle(p, packed_triangle(batch.leaves, quad));
     for (std::uint32_t g = 0; g < group_count; ++g) {
       const Mask mask = hn::LoadMaskBits(kFloats, groups[g].bits);
-      const std::uint32_t hits = intersect_group<kQuery>(p, groups[g].first, mask, triangle);
+      const std::uint32_t hits = triangle.intersect(groups[g].first, mask);
       if (hits > 0) shorten_group(p, groups[g].first, frustum, frustums);
       answered += hits;
     }
@@ -130,8 +130,7 @@ HWY_INLINE void intersect_packets(const LocalizedBatch& batch, Answer* answers) 
   for (std::size_t i = 0; i < batch.count; ++i) {
     const std::uint32_t first = batch.packets[batch.active[i]], end = batch.packets[batch.active[i] + 1];
     const Frustum& frustum = batch.frustums[i];
-    load_rays(batch.rays, batch.ids + first, end - first, packet);
-    prepare_rays(frustum.axis(), packet);
+    load_rays(batch.rays, batch.ids + first, end - first, frustum.axis(), packet);
     begin_groups(frustum, packet, groups);
     std::uint32_t answered = 0;
     for (std::uint32_t at = batch.firsts[i]; at < batch.firsts[i + 1]; ++at) {

@@ -43,14 +43,19 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // enter nothing.
 struct alignas(64) Packet {
   float org[3][kMaxPacketSize], dir[3][kMaxPacketSize], inv[3][kMaxPacketSize];
-  float shear_x[kMaxPacketSize], shear_y[kMaxPacketSize];
+  float shear[2][kMaxPacketSize];  // of Watertight::RayData: the slopes of the axes kx and ky along kz
   float t_min[kMaxPacketSize];
   float t[kMaxPacketSize], u[kMaxPacketSize], v[kMaxPacketSize];
   std::uint32_t prim_id[kMaxPacketSize];
-  Ray rays[kMaxPacketSize];
 
+  const Ray* rays;            // of the batch
+  const std::uint32_t* ids;   // ray i is rays[ids[i]]
   std::uint32_t size, lanes;  // of rays, and with those that fill the last group
   int kx, ky, kz;             // as in Watertight::RayData
+  float origin[3];            // of the first ray
+  bool has_one_origin;        // of all rays, in its bits: the sign of a zero may be that of a hit
+
+  HWY_INLINE const Ray& ray(std::uint32_t i) const { return rays[ids[i]]; }
 };
 
 HWY_INLINE float least_lane(Floats v) { return hn::GetLane(hn::MinOfLanes(kFloats, v)); }
@@ -61,18 +66,19 @@ struct RayLanes {
   Floats org[3], t_min, dir[3], t_max;
 };
 
-// Of as many rays as a vector has lanes, one after the other in memory.
-HWY_INLINE RayLanes load_lanes(const Ray* rays) {
-  const float *const first = &rays->org.x, *const second = first + 4 * hn::Lanes(kFloats);
+// Of as many rays as a vector has lanes: each half of them one after the other in memory.
+HWY_INLINE RayLanes load_lanes(const Ray* lower, const Ray* upper) {
   RayLanes r;
 #if HWY_TARGET == HWY_SCALAR
-  for (int a = 0; a < 3; ++a) r.org[a] = load(first + a), r.dir[a] = load(second + a);
-  r.t_min = load(first + 3), r.t_max = load(second + 3);
+  (void)upper;
+  const float* const first = &lower->org.x;
+  for (int a = 0; a < 3; ++a) r.org[a] = load(first + a), r.dir[a] = load(first + 4 + a);
+  r.t_min = load(first + 3), r.t_max = load(first + 7);
 #else
   // Origins are even lanes then, and directions odd ones.
   Floats x0, x1, y0, y1, z0, z1, t0, t1;
-  hn::LoadInterleaved4(kFloats, first, x0, y0, z0, t0);
-  hn::LoadInterleaved4(kFloats, second, x1, y1, z1, t1);
+  hn::LoadInterleaved4(kFloats, &lower->org.x, x0, y0, z0, t0);
+  hn::LoadInterleaved4(kFloats, &upper->org.x, x1, y1, z1, t1);
   r.org[0] = hn::ConcatEven(kFloats, x1, x0), r.dir[0] = hn::ConcatOdd(kFloats, x1, x0);
   r.org[1] = hn::ConcatEven(kFloats, y1, y0), r.dir[1] = hn::ConcatOdd(kFloats, y1, y0);
   r.org[2] = hn::ConcatEven(kFloats, z1, z0), r.dir[2] = hn::ConcatOdd(kFloats, z1, z0);
@@ -81,17 +87,42 @@ HWY_INLINE RayLanes load_lanes(const Ray* rays) {
   return r;
 }
 
-HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32_t size, Packet& p) {
+// The rays of the next lanes, of which there are `left` more; the last one fills lanes without a ray. Rays that come in runs
+// need no copy.
+HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* ids, std::uint32_t left) {
+  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats)), half = (width + 1) / 2;
+  if (left >= width) {
+    const Words lane = hn::Iota(kWords, 0), is_run = hn::Sub(hn::LoadU(kWords, ids), lane);
+    const Words expected = hn::IfThenElse(hn::Lt(lane, hn::Set(kWords, half)), hn::Set(kWords, ids[0]),
+                                          hn::Set(kWords, ids[width / 2] - width / 2));
+    if (HWY_LIKELY(hn::AllTrue(kWords, hn::Eq(is_run, expected)))) return load_lanes(rays + ids[0], rays + ids[width / 2]);
+  }
+  Ray copies[16];
+  for (std::uint32_t i = 0; i < width; ++i) copies[i] = rays[ids[i < left ? i : left - 1]];
+  return load_lanes(copies, copies + width / 2);
+}
+
+// Rays of one face, whose axis it is.
+HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32_t size, int axis, Packet& p) {
   const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
-  p.size = size, p.lanes = (size + width - 1) / width * width;
-  for (std::uint32_t i = 0; i < size; ++i) p.rays[i] = rays[ids[i]];
-  for (std::uint32_t i = size; i < p.lanes; ++i) p.rays[i] = p.rays[size - 1];
+  p.rays = rays, p.ids = ids, p.size = size, p.lanes = (size + width - 1) / width * width;
+  p.kz = axis, p.kx = (axis + 1) % 3, p.ky = (axis + 2) % 3;
+  for (int a = 0; a < 3; ++a) p.origin[a] = p.ray(0).org[a];
+  Words differ = hn::Zero(kWords);
   for (std::uint32_t i = 0; i < p.lanes; i += width) {
-    const RayLanes r = load_lanes(p.rays + i);
-    for (int a = 0; a < 3; ++a) hn::Store(r.org[a], kFloats, p.org[a] + i), hn::Store(r.dir[a], kFloats, p.dir[a] + i);
+    const RayLanes r = gather_lanes(rays, ids + i, size - i);
+    for (int a = 0; a < 3; ++a) {
+      hn::Store(r.org[a], kFloats, p.org[a] + i), hn::Store(r.dir[a], kFloats, p.dir[a] + i);
+      hn::Store(hn::Div(set(1), r.dir[a]), kFloats, p.inv[a] + i);
+      differ = hn::Or(differ, hn::Xor(hn::BitCast(kWords, r.org[a]), hn::BitCast(kWords, set(p.origin[a]))));
+    }
+    hn::Store(hn::Div(load(p.dir[p.kx] + i), load(p.dir[p.kz] + i)), kFloats, p.shear[0] + i);
+    hn::Store(hn::Div(load(p.dir[p.ky] + i), load(p.dir[p.kz] + i)), kFloats, p.shear[1] + i);
     hn::Store(most(r.t_min, set(0)), kFloats, p.t_min + i);
     hn::Store(least(r.t_max, set(std::numeric_limits<float>::max())), kFloats, p.t + i);
+    hn::Store(hn::Set(kWords, kNoHit), kWords, p.prim_id + i);
   }
+  p.has_one_origin = hn::AllTrue(kWords, hn::Eq(differ, hn::Zero(kWords)));
   for (std::uint32_t i = size; i < p.lanes; ++i) p.t_min[i] = kInfinity, p.t[i] = -kInfinity;
 }
 
@@ -103,10 +134,10 @@ HWY_INLINE void store_answer(const Packet& p, std::uint32_t r, std::uint8_t& ans
   answer = p.prim_id[r] == kNoHit ? 0 : 1;
 }
 
-// Where a side coordinate of the rays from lane i on is at a plane of the dominant axis.
-HWY_INLINE Floats at_plane(const Packet& p, std::uint32_t i, int axis, int side_axis, float plane) {
-  const Floats slope = hn::Div(load(p.dir[side_axis] + i), load(p.dir[axis] + i));
-  return hn::Add(load(p.org[side_axis] + i), hn::Mul(slope, hn::Sub(set(plane), load(p.org[axis] + i))));
+// Where the coordinate kx (side 0) or ky (side 1) of the rays from lane i on is at a plane of the axis kz.
+HWY_INLINE Floats at_plane(const Packet& p, std::uint32_t i, int side, float plane) {
+  const float* const org = p.org[side == 0 ? p.kx : p.ky];
+  return hn::Add(load(org + i), hn::Mul(load(p.shear[side] + i), hn::Sub(set(plane), load(p.org[p.kz] + i))));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 #include "libaccel/geometry/watertight.h"
@@ -23,42 +24,6 @@ namespace {
 const hn::Half<decltype(kFloats)> kHalfFloats;
 const hn::Rebind<double, decltype(kHalfFloats)> kDoubles;
 using Doubles = decltype(hn::Zero(kDoubles));
-
-// What all tests of the rays share, after load_rays(). All rays run along the axis.
-HWY_INLINE void prepare_rays(int axis, Packet& p) {
-  p.kz = axis, p.kx = (axis + 1) % 3, p.ky = (axis + 2) % 3;
-  for (std::uint32_t i = 0; i < p.lanes; i += static_cast<std::uint32_t>(hn::Lanes(kFloats))) {
-    for (int a = 0; a < 3; ++a) hn::Store(hn::Div(set(1), load(p.dir[a] + i)), kFloats, p.inv[a] + i);
-    const Floats dir_z = load(p.dir[p.kz] + i);
-    hn::Store(hn::Div(load(p.dir[p.kx] + i), dir_z), kFloats, p.shear_x + i);
-    hn::Store(hn::Div(load(p.dir[p.ky] + i), dir_z), kFloats, p.shear_y + i);
-    hn::Store(hn::Set(kWords, kNoHit), kWords, p.prim_id + i);
-  }
-}
-
-// What locate() finds, and which vertices it takes, a ray each.
-struct alignas(64) Located {
-  float vertex[3][16], lowest[16], highest[16];
-  float t[16], within[16];  // within: 1 or 0
-};
-
-// Watertight::plane_distance() and where it lies, in double, for as many rays as there are doubles in a vector.
-HWY_INLINE void locate_part(const Packet& p, std::uint32_t i, const double normal[3], std::uint32_t part, Located& located) {
-  const auto promote = [](const float* from) { return hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, from)); };
-  Doubles above = hn::Zero(kDoubles), below = above;
-  for (int a = 0; a < 3; ++a) {
-    const Doubles n = hn::Set(kDoubles, normal[a]);
-    const Doubles s = hn::Mul(n, hn::Sub(promote(located.vertex[a] + part), promote(p.org[a] + i + part)));
-    const Doubles d = hn::Mul(n, promote(p.dir[a] + i + part));
-    above = a == 0 ? s : hn::Add(above, s);
-    below = a == 0 ? d : hn::Add(below, d);
-  }
-  const Doubles t = hn::Div(above, below), depth = hn::Mul(t, promote(p.dir[p.kz] + i + part));
-  const auto within = hn::And(hn::Ge(depth, promote(located.lowest + part)), hn::Le(depth, promote(located.highest + part)));
-  const Doubles flag = hn::IfThenElse(within, hn::Set(kDoubles, 1.0), hn::Zero(kDoubles));
-  hn::Store(hn::DemoteTo(kHalfFloats, t), kHalfFloats, located.t + part);
-  hn::Store(hn::DemoteTo(kHalfFloats, flag), kHalfFloats, located.within + part);
-}
 
 // Of the nearest of three vertices by Watertight::nearest_vertex().
 HWY_INLINE void nearest_vertex(const PackedTriangle& triangle, const Floats org[3], Floats vertex[3]) {
@@ -88,35 +53,6 @@ HWY_INLINE void find_normal(const PackedTriangle& triangle, double normal[3]) {
   normal[2] = e1[0] * e2[1] - e1[1] * e2[0];
 }
 
-struct Projected {
-  Floats z[3], edge[3];
-};
-
-// Watertight::locate(): t of the lanes of the mask.
-HWY_INLINE Floats locate(const Packet& p, std::uint32_t i, Mask mask, const PackedTriangle& triangle,
-                         const Projected& projected, Floats det) {
-  Floats org[3], vertex[3];
-  for (int a = 0; a < 3; ++a) org[a] = load(p.org[a] + i);
-  nearest_vertex(triangle, org, vertex);
-  double normal[3];
-  find_normal(triangle, normal);
-  const Floats *const z = projected.z, *const e = projected.edge;
-  const Floats nearest = least(least(z[0], z[1]), z[2]), farthest = most(most(z[0], z[1]), z[2]);
-  const Floats rounding = set(kUnitRoundoff * 2);
-  Located located;
-  for (int a = 0; a < 3; ++a) hn::Store(vertex[a], kFloats, located.vertex[a]);
-  hn::Store(hn::Sub(nearest, hn::Mul(rounding, hn::Abs(nearest))), kFloats, located.lowest);
-  hn::Store(hn::Add(farthest, hn::Mul(rounding, hn::Abs(farthest))), kFloats, located.highest);
-  for (std::uint32_t part = 0; part < hn::Lanes(kFloats); part += static_cast<std::uint32_t>(hn::Lanes(kDoubles)))
-    locate_part(p, i, normal, part, located);
-
-  const Mask beyond = hn::AndNot(hn::Gt(load(located.within), hn::Zero(kFloats)), mask);
-  if (HWY_LIKELY(hn::AllFalse(kFloats, beyond))) return load(located.t);
-  const Floats b0 = hn::Div(e[0], det), u = hn::Div(e[1], det), v = hn::Div(e[2], det);
-  const Floats depth = hn::Add(hn::Add(hn::Mul(b0, z[0]), hn::Mul(u, z[1])), hn::Mul(v, z[2]));
-  return hn::IfThenElse(beyond, hn::Div(depth, load(p.dir[p.kz] + i)), load(located.t));
-}
-
 // Rays for which an edge function is zero, by the test of single rays. Returns how many have been answered.
 template <Query kQuery>
 HWY_NOINLINE std::uint32_t intersect_singly(Packet& p, std::uint32_t first, Mask mask, const PackedTriangle& triangle) {
@@ -125,7 +61,7 @@ HWY_NOINLINE std::uint32_t intersect_singly(Packet& p, std::uint32_t first, Mask
   std::uint32_t answered = 0;
   for (std::uint32_t rest = bits[0] | bits[1] << 8; rest != 0; rest &= rest - 1) {
     const std::uint32_t i = first + static_cast<std::uint32_t>(std::countr_zero(rest));
-    const Ray& ray = p.rays[i];
+    const Ray& ray = p.ray(i);
     Hit candidate, hit{p.t[i], p.u[i], p.v[i], p.prim_id[i]};
     if (!Watertight::intersect(triangle, ray, Watertight::prepare(ray), candidate)) continue;
     candidate.prim_id = triangle.prim_id();
@@ -137,50 +73,159 @@ HWY_NOINLINE std::uint32_t intersect_singly(Packet& p, std::uint32_t first, Mask
   return answered;
 }
 
-// A triangle against the group from lane i on: its rays of the mask. Returns how many have a new answer.
-template <Query kQuery>
-HWY_INLINE std::uint32_t intersect_group(Packet& p, std::uint32_t i, Mask mask, const PackedTriangle& triangle) {
-  const PackedTriangle::Quad *const axis = triangle.axis, &qx = axis[p.kx], &qy = axis[p.ky], &qz = axis[p.kz];
-  const Floats org_x = load(p.org[p.kx] + i), org_y = load(p.org[p.ky] + i), org_z = load(p.org[p.kz] + i);
-  const Floats shear_x = load(p.shear_x + i), shear_y = load(p.shear_y + i);
-  Projected projected;
-  Floats x[3], y[3];
-  for (int k = 0; k < 3; ++k) {
-    const Floats z = hn::Sub(set(qz.vertex[k]), org_z);
-    projected.z[k] = z;
-    x[k] = hn::Sub(hn::Sub(set(qx.vertex[k]), org_x), hn::Mul(shear_x, z));
-    y[k] = hn::Sub(hn::Sub(set(qy.vertex[k]), org_y), hn::Mul(shear_y, z));
+// A triangle against groups of rays of a packet: what they share is computed once. kOneOrigin: all rays start at p.origin.
+template <Query kQuery, bool kOneOrigin = false>
+class GroupTest {
+ public:
+  HWY_INLINE GroupTest(Packet& packet, const PackedTriangle& triangle) : p_(packet), triangle_(triangle) {
+    if constexpr (kOneOrigin)
+      for (int a = 0; a < 3; ++a)
+        for (int k = 0; k < 3; ++k) relative_[a][k] = triangle.axis[a].vertex[k] - packet.origin[a];
   }
-  Floats* const e = projected.edge;
-  e[0] = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
-  e[1] = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
-  e[2] = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
 
-  const Floats zero = hn::Zero(kFloats);
-  const Mask not_negative = hn::And(hn::And(hn::Ge(e[0], zero), hn::Ge(e[1], zero)), hn::Ge(e[2], zero));
-  const Mask not_positive = hn::And(hn::And(hn::Le(e[0], zero), hn::Le(e[1], zero)), hn::Le(e[2], zero));
-  const Mask inside = hn::And(hn::Or(not_negative, not_positive), mask);
-  if (HWY_LIKELY(hn::AllFalse(kFloats, inside))) return 0;
+  // The rays of the mask, from lane i on. Returns how many have a new answer.
+  HWY_INLINE std::uint32_t intersect(std::uint32_t i, Mask mask) {
+    const Floats shear_x = load(p_.shear[0] + i), shear_y = load(p_.shear[1] + i);
+    Projected projected;
+    Floats x[3], y[3];
+    for (int k = 0; k < 3; ++k) {
+      const Floats z = vertex(p_.kz, k, i);
+      projected.z[k] = z;
+      x[k] = hn::Sub(vertex(p_.kx, k, i), hn::Mul(shear_x, z));
+      y[k] = hn::Sub(vertex(p_.ky, k, i), hn::Mul(shear_y, z));
+    }
+    Floats* const e = projected.edge;
+    e[0] = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
+    e[1] = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
+    e[2] = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
 
-  const Mask on_edge = hn::And(inside, hn::Or(hn::Or(hn::Eq(e[0], zero), hn::Eq(e[1], zero)), hn::Eq(e[2], zero)));
-  std::uint32_t answered = 0;
-  if (HWY_UNLIKELY(!hn::AllFalse(kFloats, on_edge))) answered = intersect_singly<kQuery>(p, i, on_edge, triangle);
+    const Floats zero = hn::Zero(kFloats);
+    const Mask not_negative = hn::And(hn::And(hn::Ge(e[0], zero), hn::Ge(e[1], zero)), hn::Ge(e[2], zero));
+    const Mask not_positive = hn::And(hn::And(hn::Le(e[0], zero), hn::Le(e[1], zero)), hn::Le(e[2], zero));
+    const Mask inside = hn::And(hn::Or(not_negative, not_positive), mask);
+    if (HWY_LIKELY(hn::AllFalse(kFloats, inside))) return 0;
 
-  const Floats det = hn::Add(hn::Add(e[0], e[1]), e[2]);
-  const Floats t = locate(p, i, inside, triangle, projected, det), best = load(p.t + i);
-  const Words prim_id = hn::Load(kWords, p.prim_id + i), candidate = hn::Set(kWords, triangle.prim_id());
-  const Mask is_lower = hn::RebindMask(kFloats, hn::Lt(candidate, prim_id));
-  Mask accepted = hn::And(hn::AndNot(on_edge, inside), hn::Ge(t, load(p.t_min + i)));
-  accepted = hn::And(accepted, hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower)));
-  if (hn::AllFalse(kFloats, accepted)) return answered;
-  hn::Store(hn::IfThenElse(accepted, kQuery == Query::any ? set(-kInfinity) : t, best), kFloats, p.t + i);
-  hn::Store(hn::IfThenElse(hn::RebindMask(kWords, accepted), candidate, prim_id), kWords, p.prim_id + i);
-  if constexpr (kQuery == Query::closest) {
-    hn::Store(hn::IfThenElse(accepted, hn::Div(e[1], det), load(p.u + i)), kFloats, p.u + i);
-    hn::Store(hn::IfThenElse(accepted, hn::Div(e[2], det), load(p.v + i)), kFloats, p.v + i);
+    const Mask on_edge = hn::And(inside, hn::Or(hn::Or(hn::Eq(e[0], zero), hn::Eq(e[1], zero)), hn::Eq(e[2], zero)));
+    std::uint32_t answered = 0;
+    if (HWY_UNLIKELY(!hn::AllFalse(kFloats, on_edge))) answered = intersect_singly<kQuery>(p_, i, on_edge, triangle_);
+    return answered + accept(i, inside, on_edge, projected);
   }
-  return answered + static_cast<std::uint32_t>(hn::CountTrue(kFloats, accepted));
-}
+
+ private:
+  // Depths along the axis kz relative to the origin, and edge functions.
+  struct Projected {
+    Floats z[3], edge[3];
+  };
+  // What Watertight::plane_distance() computes of the plane, and of one origin; and the bounds of depths within the triangle.
+  struct Plane {
+    double normal[3], above;
+    float lowest, highest;
+  };
+
+  // Vertex k relative to the rays' origins.
+  HWY_INLINE Floats vertex(int axis, int k, std::uint32_t i) const {
+    if constexpr (kOneOrigin) return set(relative_[axis][k]);
+    return hn::Sub(set(triangle_.axis[axis].vertex[k]), load(p_.org[axis] + i));
+  }
+
+  // Takes the hits of rays that are inside, on no edge, and meet nothing nearer. Returns how many there are.
+  HWY_INLINE std::uint32_t accept(std::uint32_t i, Mask inside, Mask on_edge, const Projected& projected) {
+    const Floats* const e = projected.edge;
+    const Floats det = hn::Add(hn::Add(e[0], e[1]), e[2]);
+    const Floats t = locate(i, inside, projected, det), best = load(p_.t + i);
+    const Words prim_id = hn::Load(kWords, p_.prim_id + i), candidate = hn::Set(kWords, triangle_.prim_id());
+    const Mask is_lower = hn::RebindMask(kFloats, hn::Lt(candidate, prim_id));
+    Mask accepted = hn::And(hn::AndNot(on_edge, inside), hn::Ge(t, load(p_.t_min + i)));
+    accepted = hn::And(accepted, hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower)));
+    if (hn::AllFalse(kFloats, accepted)) return 0;
+    hn::Store(hn::IfThenElse(accepted, kQuery == Query::any ? set(-kInfinity) : t, best), kFloats, p_.t + i);
+    hn::Store(hn::IfThenElse(hn::RebindMask(kWords, accepted), candidate, prim_id), kWords, p_.prim_id + i);
+    if constexpr (kQuery == Query::closest) {
+      hn::Store(hn::IfThenElse(accepted, hn::Div(e[1], det), load(p_.u + i)), kFloats, p_.u + i);
+      hn::Store(hn::IfThenElse(accepted, hn::Div(e[2], det), load(p_.v + i)), kFloats, p_.v + i);
+    }
+    return static_cast<std::uint32_t>(hn::CountTrue(kFloats, accepted));
+  }
+
+  // Watertight::locate(): t of the lanes of the mask.
+  HWY_INLINE Floats locate(std::uint32_t i, Mask mask, const Projected& projected, Floats det) {
+    if (!has_plane_) find_plane();
+    Located located;
+    if constexpr (!kOneOrigin) prepare_located(i, projected, located);
+    for (std::uint32_t part = 0; part < hn::Lanes(kFloats); part += static_cast<std::uint32_t>(hn::Lanes(kDoubles)))
+      locate_part(i, part, located);
+
+    const Floats *const z = projected.z, *const e = projected.edge;
+    const Mask beyond = hn::AndNot(hn::Gt(load(located.within), hn::Zero(kFloats)), mask);
+    if (HWY_LIKELY(hn::AllFalse(kFloats, beyond))) return load(located.t);
+    const Floats b0 = hn::Div(e[0], det), u = hn::Div(e[1], det), v = hn::Div(e[2], det);
+    const Floats depth = hn::Add(hn::Add(hn::Mul(b0, z[0]), hn::Mul(u, z[1])), hn::Mul(v, z[2]));
+    return hn::IfThenElse(beyond, hn::Div(depth, load(p_.dir[p_.kz] + i)), load(located.t));
+  }
+
+  // By ray: the vertex that is taken, and bounds of depths, where origins differ; and what is found.
+  struct alignas(64) Located {
+    float vertex[3][16], lowest[16], highest[16];
+    float t[16], within[16];  // within: 1 or 0
+  };
+
+  HWY_INLINE void find_plane() {
+    find_normal(triangle_, plane_.normal);
+    has_plane_ = true;
+    if constexpr (kOneOrigin) {
+      Floats org[3], vertex[3];
+      for (int a = 0; a < 3; ++a) org[a] = set(p_.origin[a]);
+      nearest_vertex(triangle_, org, vertex);
+      for (int a = 0; a < 3; ++a) {
+        const double s = plane_.normal[a] * (static_cast<double>(hn::GetLane(vertex[a])) - p_.origin[a]);
+        plane_.above = a == 0 ? s : plane_.above + s;
+      }
+      const float* const z = relative_[p_.kz];
+      const float nearest = min_of(min_of(z[0], z[1]), z[2]), farthest = max_of(max_of(z[0], z[1]), z[2]);
+      plane_.lowest = nearest - kUnitRoundoff * 2 * std::fabs(nearest);
+      plane_.highest = farthest + kUnitRoundoff * 2 * std::fabs(farthest);
+    }
+  }
+
+  HWY_INLINE void prepare_located(std::uint32_t i, const Projected& projected, Located& located) const {
+    Floats org[3], vertex[3];
+    for (int a = 0; a < 3; ++a) org[a] = load(p_.org[a] + i);
+    nearest_vertex(triangle_, org, vertex);
+    for (int a = 0; a < 3; ++a) hn::Store(vertex[a], kFloats, located.vertex[a]);
+    const Floats* const z = projected.z;
+    const Floats nearest = least(least(z[0], z[1]), z[2]), farthest = most(most(z[0], z[1]), z[2]);
+    const Floats rounding = set(kUnitRoundoff * 2);
+    hn::Store(hn::Sub(nearest, hn::Mul(rounding, hn::Abs(nearest))), kFloats, located.lowest);
+    hn::Store(hn::Add(farthest, hn::Mul(rounding, hn::Abs(farthest))), kFloats, located.highest);
+  }
+
+  // Watertight::plane_distance() and where it lies, in double, for as many rays as there are doubles in a vector.
+  HWY_INLINE void locate_part(std::uint32_t i, std::uint32_t part, Located& located) const {
+    const auto promote = [](const float* from) HWY_ATTR { return hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, from)); };
+    Doubles above = hn::Set(kDoubles, plane_.above), below = hn::Zero(kDoubles);
+    for (int a = 0; a < 3; ++a) {
+      const Doubles n = hn::Set(kDoubles, plane_.normal[a]), d = hn::Mul(n, promote(p_.dir[a] + i + part));
+      below = a == 0 ? d : hn::Add(below, d);
+      if constexpr (!kOneOrigin) {
+        const Doubles s = hn::Mul(n, hn::Sub(promote(located.vertex[a] + part), promote(p_.org[a] + i + part)));
+        above = a == 0 ? s : hn::Add(above, s);
+      }
+    }
+    const Doubles lowest = kOneOrigin ? hn::Set(kDoubles, plane_.lowest) : promote(located.lowest + part);
+    const Doubles highest = kOneOrigin ? hn::Set(kDoubles, plane_.highest) : promote(located.highest + part);
+    const Doubles t = hn::Div(above, below), depth = hn::Mul(t, promote(p_.dir[p_.kz] + i + part));
+    const auto within = hn::And(hn::Ge(depth, lowest), hn::Le(depth, highest));
+    const Doubles flag = hn::IfThenElse(within, hn::Set(kDoubles, 1.0), hn::Zero(kDoubles));
+    hn::Store(hn::DemoteTo(kHalfFloats, t), kHalfFloats, located.t + part);
+    hn::Store(hn::DemoteTo(kHalfFloats, flag), kHalfFloats, located.within + part);
+  }
+
+  Packet& p_;
+  const PackedTriangle& triangle_;
+  float relative_[3][3];  // vertices, to one origin
+  bool has_plane_ = false;
+  Plane plane_{};
+};
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

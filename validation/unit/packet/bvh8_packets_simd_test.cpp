@@ -34,43 +34,16 @@ TEST(Bvh8PacketsSimd, HitsAreThoseOfSingleRays) {
     test::on_every_target([&, &scene = name] {
       std::vector<Hit> hits(arrays.rays.size());
       std::vector<std::uint8_t> occluded(arrays.rays.size());
-      trace_bvh8_packets_simd(tree.view(), batch, hits.data());
+      trace_bvh8_packets_simd(tree.view(), batch, arrays.faces.data(), hits.data());
       for (const bool from_far_end : {false, true}) {
         std::fill(occluded.begin(), occluded.end(), 7);
-        trace_bvh8_packets_simd(tree.view(), batch, occluded.data(), from_far_end);
+        trace_bvh8_packets_simd(tree.view(), batch, arrays.faces.data(), occluded.data(), from_far_end);
         EXPECT_EQ(occluded, blocked) << scene << packet_simd_target();
       }
       EXPECT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0) << scene << packet_simd_target();
     });
   }
   EXPECT_GT(valid, 1000u);
-}
-
-// Copies of one ray fill the groups, and step as one.
-TEST(Bvh8PacketsSimd, WorkIsCounted) {
-  const TriangleMesh mesh = test::soup(500, 0.1f);
-  const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
-  ASSERT_FALSE(is_leaf(tree.root));
-  const Ray ray{.org = {-2, -1.9f, -1.8f}, .dir = {1, 0.9f, 0.8f}};
-  const std::vector<std::uint32_t> zero{0};
-  test::on_every_target([&] {
-    constexpr std::uint32_t count = 64;
-    const std::vector<Ray> rays(count, ray);
-    std::vector<std::uint32_t> ids(count);
-    std::iota(ids.begin(), ids.end(), 0u);
-    const std::vector<std::uint32_t> packets{0, count};
-    const Frustum frustum = test::frustum_of(rays, tree.bounds);
-    const LocalizedBatch batch{.rays = rays.data(),
-                               .ids = ids.data(),
-                               .packets = packets.data(),
-                               .active = zero.data(),
-                               .frustums = &frustum,
-                               .count = 1};
-    std::vector<Hit> hits(count);
-    const GroupWork work = trace_bvh8_packets_simd(tree.view(), batch, hits.data());
-    EXPECT_GT(work.nodes, 0u);
-    EXPECT_EQ(work.rays, work.nodes * rays_per_group());
-  });
 }
 
 }  // namespace

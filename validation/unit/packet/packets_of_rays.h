@@ -26,7 +26,21 @@ inline Bvh2 octo_tree(const TriangleMesh& mesh) {
   return std::move(built->structure);
 }
 
-// Packets of rays of one face each: bundles from a small box through another one, and rays that hurt, sorted by face.
+// Rays of one origin each 90, at vertices and the middles of edges: from within the scene, from a vertex, which lies in the
+// planes of its triangles, and from a zero of either sign.
+inline std::vector<Ray> rays_of_pinholes(const TriangleMesh& mesh, const Aabb& bounds) {
+  std::vector<Ray> rays;
+  if (mesh.size() == 0) return rays;
+  for (const Vec3 origin : {bounds.center(), mesh.triangle(0).v0, Vec3{-0.0f, 0, -0.0f}})
+    for (std::size_t i = 0; i < 90; ++i) {
+      const Triangle triangle = mesh.triangle(7 * i % mesh.size());
+      const Vec3 target = i % 3 == 0 ? triangle.v0 : triangle.v0 + (triangle.v1 - triangle.v0) * 0.5f;
+      rays.push_back({.org = origin, .dir = target - origin});
+    }
+  return rays;
+}
+
+// Packets of rays of one face each: bundles from a small box through another one, pinholes, and rays that hurt, sorted by face.
 inline std::vector<std::vector<Ray>> packets_for(const TriangleMesh& mesh, const Aabb& bounds, std::uint64_t seed) {
   std::vector<std::vector<Ray>> packets;
   CounterRng rng(seed, 0);
@@ -49,6 +63,8 @@ inline std::vector<std::vector<Ray>> packets_for(const TriangleMesh& mesh, const
         rays.push_back(ray);
       }
     }
+  const auto pinholes = rays_of_pinholes(mesh, bounds);
+  rays.insert(rays.end(), pinholes.begin(), pinholes.end());
   const auto hostile = validation::stress_rays(mesh, 300, seed);
   rays.insert(rays.end(), hostile.begin(), hostile.end());
   for (std::size_t first = 0; first < rays.size(); first += 90) {

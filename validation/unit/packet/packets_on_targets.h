@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <numeric>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libaccel/packet/localized_simd.h"
@@ -14,7 +16,8 @@
 
 namespace accel::test {
 
-// All packets of a scene, each against all leaves.
+// All packets of a scene, each against all leaves. Their rays lie in memory in runs of eight, the last run first, and some runs
+// backwards: positions are not numbers.
 struct PacketArrays {
   std::vector<Ray> rays;
   std::vector<std::uint32_t> ids, packets{0}, active, firsts, places;
@@ -35,8 +38,12 @@ struct PacketArrays {
     }
     firsts.push_back(static_cast<std::uint32_t>(places.size()));
     ids.resize(rays.size());
-    std::iota(ids.rbegin(), ids.rend(), 0u);  // backwards: positions are not numbers
-    std::reverse(rays.begin(), rays.end());
+    std::iota(ids.rbegin(), ids.rend(), 0u);
+    for (std::size_t run = 0; run + 8 <= ids.size(); run += 8)
+      if (run % 48 != 0)
+        std::reverse(ids.begin() + static_cast<std::ptrdiff_t>(run), ids.begin() + static_cast<std::ptrdiff_t>(run) + 8);
+    const std::vector<Ray> by_position = std::exchange(rays, std::vector<Ray>(rays.size()));
+    for (std::size_t i = 0; i < ids.size(); ++i) rays[ids[i]] = by_position[i];
   }
   LocalizedBatch batch(const Bvh2& tree) const {
     return {tree.octo.data(), tree.leaves.data(), rays.data(),   ids.data(),    packets.data(),
