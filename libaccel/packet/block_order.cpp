@@ -27,6 +27,12 @@ std::size_t end_of_face(const std::uint8_t* faces, std::size_t first, std::size_
   return next;
 }
 
+// So many numbers from `first` on: a count that compilers know is written as a vector.
+template <std::size_t kCount>
+void append(std::size_t first, std::uint32_t* to) {
+  for (std::size_t i = 0; i < kCount; ++i) to[i] = static_cast<std::uint32_t>(first + i);
+}
+
 // body(first, end): rays of one face that follow each other, of n rays in runs of so many, of which run_at(i) comes i-th.
 template <class RunAt, class Body>
 void for_each_piece(const std::uint8_t* faces, std::size_t n, std::size_t run, const RunAt& run_at, const Body& body) {
@@ -78,8 +84,10 @@ void BlockOrder::place_runs(std::size_t run, const RunAt& run_at) {
     faces_.insert(faces_.end(), places[face], static_cast<std::uint8_t>(face));
   std::exclusive_scan(places.begin(), places.end(), places.begin(), 0u);
   for_each_piece(faces, n, run, run_at, [&](std::size_t first, std::size_t end) {
-    std::uint32_t& place = places[faces[first]];
-    for (std::size_t id = first; id < end; ++id) ids_[place++] = static_cast<std::uint32_t>(id);
+    std::uint32_t* const to = ids_.data() + places[faces[first]];
+    places[faces[first]] += static_cast<std::uint32_t>(end - first);
+    if (end - first == 8) return append<8>(first, to);
+    for (std::size_t id = first; id < end; ++id) to[id - first] = static_cast<std::uint32_t>(id);
   });
 }
 

@@ -155,8 +155,7 @@ void Bvh8StreamTracer<Answer>::trace_packets(Way way, std::size_t first, std::si
 template <class Answer>
 void Bvh8StreamTracer<Answer>::make_packets(std::uint32_t run, std::uint32_t size) {
   order_.sort(run);
-  const std::uint8_t* const faces = order_.faces().data();
-  packets_.cut(faces, faces, order_.faces().size(), size, std::min(options_.min_size, size));
+  packets_.cut_by_face(order_.faces(), size, std::min(options_.min_size, size));
 }
 
 template <class Answer>

@@ -5,9 +5,12 @@
 // has what is left.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include "libaccel/packet/csd_sort.h"
+#include "libaccel/packet/frustum.h"
 
 namespace accel {
 
@@ -46,6 +49,23 @@ PacketRanges<Primitives> packet_ranges(const Key* keys, std::size_t n, std::uint
                        [=] ACCEL_HD_LAMBDA(std::size_t c) { skeleton[first[c]] = base[c], is_head[first[c]] = 1; });
   Primitives::inclusive_segmented_scan(skeleton, is_head, count, skeleton);
   Primitives::for_each(1, [=] ACCEL_HD_LAMBDA(std::size_t) { skeleton[count] = static_cast<std::uint32_t>(n); });
+  return ranges;
+}
+
+// packet_ranges() of faces (packet/frustum.h) that ascend, on hosts: O(packets + log n).
+template <class Primitives>
+PacketRanges<Primitives> ranges_of_faces(std::span<const std::uint8_t> faces, std::uint32_t max_size) {
+  const auto end_of = [&](std::uint32_t face) {
+    return static_cast<std::uint32_t>(std::upper_bound(faces.begin(), faces.end(), face) - faces.begin());
+  };
+  PacketRanges<Primitives> ranges;
+  for (std::uint32_t face = 0, first = 0, end; face <= kNoFace; first = end, ++face)
+    ranges.count += ((end = end_of(face)) - first + max_size - 1) / max_size;
+  ranges.base = typename Primitives::template Array<std::uint32_t>(ranges.count + 1);
+  std::uint32_t* base = ranges.base.data();
+  for (std::uint32_t face = 0, first = 0, end; face <= kNoFace; ++face)
+    for (end = end_of(face); first < end; first += std::min(max_size, end - first)) *base++ = first;
+  *base = static_cast<std::uint32_t>(faces.size());
   return ranges;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "libaccel/packet/breadth_first.h"
@@ -20,10 +21,12 @@ class PacketSet {
   template <class Key>
   void cut(const Key* keys, const std::uint8_t* faces, std::size_t n, std::uint32_t max_size, std::uint32_t min_size) {
     ranges_ = packet_ranges<Primitives>(keys, n, max_size);
-    packets_.clear(), gave_up_.clear();
-    for (std::uint32_t p = 0; p < ranges_.count; ++p)
-      if (size(p) >= min_size && faces[ranges_.base[p]] != kNoFace) packets_.push_back(p);
-    frustums_.resize(packets_.size());
+    choose(faces, min_size);
+  }
+  // The same where faces are the keys, and ascend.
+  void cut_by_face(std::span<const std::uint8_t> faces, std::uint32_t max_size, std::uint32_t min_size) {
+    ranges_ = ranges_of_faces<Primitives>(faces, max_size);
+    choose(faces.data(), min_size);
   }
 
   // Packets that take part, by number.
@@ -80,6 +83,13 @@ class PacketSet {
   }
 
  private:
+  void choose(const std::uint8_t* faces, std::uint32_t min_size) {
+    packets_.clear(), gave_up_.clear();
+    for (std::uint32_t p = 0; p < ranges_.count; ++p)
+      if (size(p) >= min_size && faces[ranges_.base[p]] != kNoFace) packets_.push_back(p);
+    frustums_.resize(packets_.size());
+  }
+
   std::uint32_t size(std::uint32_t p) const { return ranges_.base[p + 1] - ranges_.base[p]; }
 
   LocalizedBatch batch_of(const std::vector<std::uint32_t>& packets, const Bvh2View& view, const Ray* rays,

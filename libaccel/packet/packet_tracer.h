@@ -139,8 +139,7 @@ class PacketTracer {
   }
 
   void cut(std::uint32_t size) {
-    const std::uint8_t* const faces = order_.faces().data();
-    packets_.cut(faces, faces, order_.faces().size(), size, std::min(options_.min_size, size));
+    packets_.cut_by_face(order_.faces(), size, std::min(options_.min_size, size));
   }
 
   void make_frustums() {

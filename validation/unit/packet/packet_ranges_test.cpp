@@ -43,5 +43,20 @@ TEST(PacketRanges, NoPacketMixesKeysAndAllAreAsLongAsCanBe) {
   }
 }
 
+// Those of all rays, and of the rays without a face; faces that no ray has.
+TEST(PacketRanges, OfFacesThatAscend) {
+  for (const std::vector<std::uint32_t>& counts : std::vector<std::vector<std::uint32_t>>{
+           {}, {1}, {0, 0, 9}, {4, 4, 4, 4, 4, 4, 4}, {0, 300, 1, 0, 7, 0, 12}, {0, 0, 0, 0, 0, 0, 5}}) {
+    std::vector<std::uint8_t> faces;
+    for (std::size_t face = 0; face < counts.size(); ++face)
+      faces.insert(faces.end(), counts[face], static_cast<std::uint8_t>(face));
+    for (const std::uint32_t max_size : {1u, 4u, 256u}) {
+      const auto ranges = ranges_of_faces<SerialPrimitives>(faces, max_size);
+      const std::vector<std::uint32_t> base(ranges.base.begin(), ranges.base.begin() + ranges.count + 1);
+      EXPECT_EQ(base, bases<SerialPrimitives>(faces, max_size));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace accel
