@@ -28,23 +28,20 @@ constexpr std::uint32_t kMostGroups = 64;
 
 HWY_INLINE std::uint32_t width() { return static_cast<std::uint32_t>(hn::Lanes(kFloats)); }
 
-// What the box tests of a packet share: Bvh8Ray, a ray in each lane.
-struct alignas(64) PacketBoxes {
-  float inv_far[3][kMaxPacketSize];
+// How a packet goes through the tree.
+struct Way {
   std::uint32_t octant;    // of most rays
   std::uint32_t reversal;  // 0, or 7: children from the far end on
-  bool is_one_way;         // all rays go the way of the octant
 };
 
-HWY_INLINE void prepare_boxes(const Packet& p, const Frustum& frustum, bool from_far_end, PacketBoxes& boxes) {
-  boxes.octant = frustum.signs, boxes.reversal = from_far_end ? kBvh8Arity - 1 : 0, boxes.is_one_way = true;
+// Whether all rays go the way of the octant.
+HWY_INLINE bool has_one_way(const Packet& p, std::uint32_t octant) {
   for (std::uint32_t i = 0; i < p.lanes; i += width())
     for (int a = 0; a < 3; ++a) {
-      const Floats inv = load(p.inv[a] + i);
-      hn::Store(hn::Mul(inv, set(PaddedSlabs::kFarPlaneScale)), kFloats, boxes.inv_far[a] + i);
-      const Mask backwards = hn::Lt(inv, set(0));
-      boxes.is_one_way &= (boxes.octant >> a & 1u) != 0 ? hn::AllTrue(kFloats, backwards) : hn::AllFalse(kFloats, backwards);
+      const Mask backwards = hn::Lt(load(p.inv[a] + i), set(0));
+      if (!((octant >> a & 1u) != 0 ? hn::AllTrue(kFloats, backwards) : hn::AllFalse(kFloats, backwards))) return false;
     }
+  return true;
 }
 
 // What all rays of a packet have in common.
@@ -66,15 +63,15 @@ struct ChildPlanes {
   }
 };
 
-// Bvh8Ray::enters(), of the rays from lane i on.
+// Bvh8Ray::enters(), of the rays from lane i on. Reciprocals for far planes are scaled each time: loads are dearer.
 template <Share kShare>
-HWY_INLINE Mask enter_child(const Packet& p, const PacketBoxes& boxes, std::uint32_t i, const ChildPlanes<kShare>& child) {
+HWY_INLINE Mask enter_child(const Packet& p, std::uint32_t octant, std::uint32_t i, const ChildPlanes<kShare>& child) {
   Floats nearer[3], farther[3];
   for (int a = 0; a < 3; ++a) {
     const Floats inv = load(p.inv[a] + i);
     Floats near_plane = child.near_plane[a], far_plane = child.far_plane[a];
     if constexpr (kShare == Share::nothing) {
-      const Mask backwards = hn::Lt(inv, set(0)), is_octant = (boxes.octant >> a & 1u) != 0 ? backwards : hn::Not(backwards);
+      const Mask backwards = hn::Lt(inv, set(0)), is_octant = (octant >> a & 1u) != 0 ? backwards : hn::Not(backwards);
       near_plane = hn::IfThenElse(is_octant, child.near_plane[a], child.far_plane[a]);
       far_plane = hn::IfThenElse(is_octant, child.far_plane[a], child.near_plane[a]);
     }
@@ -83,7 +80,7 @@ HWY_INLINE Mask enter_child(const Packet& p, const PacketBoxes& boxes, std::uint
       near_plane = hn::Sub(near_plane, org), far_plane = hn::Sub(far_plane, org);
     }
     nearer[a] = hn::Mul(near_plane, inv);
-    farther[a] = hn::Mul(far_plane, load(boxes.inv_far[a] + i));
+    farther[a] = hn::Mul(far_plane, hn::Mul(inv, set(PaddedSlabs::kFarPlaneScale)));
   }
   const Floats limit = hn::Mul(load(p.t + i), set(PaddedSlabs::kEndScale));
   const Floats enter = most(most(nearer[1], nearer[2]), most(nearer[0], load(p.t_min + i)));
@@ -119,11 +116,11 @@ struct Postponed {
 
 // Every ray of the groups that enters the child goes there. Returns false if there is none.
 template <Share kShare>
-HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, const PacketBoxes& boxes, Active& active) {
-  const ChildPlanes<kShare> child(p, node, to.child, boxes.octant);
+HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, std::uint32_t octant, Active& active) {
+  const ChildPlanes<kShare> child(p, node, to.child, octant);
   active.groups = 0;
   Active::for_each(to.groups, [&](std::uint32_t g) HWY_ATTR {
-    const Mask entered = enter_child(p, boxes, g * width(), child);
+    const Mask entered = enter_child(p, octant, g * width(), child);
     hn::StoreMaskBits(kFloats, entered, active.rays[g]);
     active.groups |= static_cast<GroupBits>(!hn::AllFalse(kFloats, entered)) << g;
   });
@@ -155,7 +152,7 @@ HWY_INLINE void fetch(const Bvh8View& view, NodeRef ref) {
 }
 
 template <Query kQuery, Share kShare>
-HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const PacketBoxes& boxes, Packet& p) {
+HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, Way way, Packet& p) {
   Postponed stack[bvh8_stack_size(kMostBvh8Depth)];
   std::size_t size = 0;
   NodeRef ref = view.root;
@@ -166,7 +163,7 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const
       const Bvh8Node& node = view.nodes[ref];
       const std::uint32_t met = boxes_met(node, frustum);
       for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
-        const std::uint32_t c = node.ordered(i ^ boxes.reversal, boxes.octant);
+        const std::uint32_t c = node.ordered(i ^ way.reversal, way.octant);
         stack[size] = {ref, c, active.groups};
         size += met >> c & 1u;
         if ((met >> c & 1u) != 0) fetch(view, node.child[c]);
@@ -179,7 +176,7 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, const
     do {
       if (size == 0) return;
       parent = view.nodes + stack[--size].node;
-    } while (!enter<kShare>(stack[size], *parent, p, boxes, active));
+    } while (!enter<kShare>(stack[size], *parent, p, way.octant, active));
     ref = parent->child[stack[size].child];
   }
 }
@@ -188,7 +185,6 @@ template <Query kQuery, class Answer>
 HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, bool from_far_end,
                               Answer* answers) {
   Packet packet;
-  PacketBoxes boxes;
   const Aabb bounds = bounds_of_children(view.nodes[view.root]);
   const std::uint32_t most = std::min(kMostGroups * width(), kMaxPacketSize);
   for (std::size_t i = 0; i < batch.count; ++i) {
@@ -197,13 +193,13 @@ HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch,
       size = std::min(end - first, most);
       load_rays(batch.rays, batch.ids + first, size, faces[first] >> 1, packet);
       const Frustum frustum = frustum_of(packet, faces[first], bounds);
-      prepare_boxes(packet, frustum, from_far_end, boxes);
-      if (HWY_UNLIKELY(!boxes.is_one_way))
-        trace_packet<kQuery, Share::nothing>(view, frustum, boxes, packet);
+      const Way way{frustum.signs, from_far_end ? kBvh8Arity - 1 : 0};
+      if (HWY_UNLIKELY(!has_one_way(packet, way.octant)))
+        trace_packet<kQuery, Share::nothing>(view, frustum, way, packet);
       else if (packet.has_one_origin)
-        trace_packet<kQuery, Share::way_and_origin>(view, frustum, boxes, packet);
+        trace_packet<kQuery, Share::way_and_origin>(view, frustum, way, packet);
       else
-        trace_packet<kQuery, Share::way>(view, frustum, boxes, packet);
+        trace_packet<kQuery, Share::way>(view, frustum, way, packet);
       for (std::uint32_t r = 0; r < size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
     }
   }
