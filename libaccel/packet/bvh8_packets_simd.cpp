@@ -31,17 +31,19 @@ HWY_INLINE std::uint32_t width() { return static_cast<std::uint32_t>(hn::Lanes(k
 // How a packet goes through the tree.
 struct Way {
   std::uint32_t octant;    // of most rays
+  std::uint32_t mixed;     // bit a: not all rays go the way of the octant along axis a
   std::uint32_t reversal;  // 0, or 7: children from the far end on
 };
 
-// Whether all rays go the way of the octant.
-HWY_INLINE bool has_one_way(const Packet& p, std::uint32_t octant) {
+HWY_INLINE Way way_of(const Packet& p, std::uint32_t octant, bool from_far_end) {
+  Way way{octant, 0, from_far_end ? kBvh8Arity - 1 : 0};
   for (std::uint32_t i = 0; i < p.lanes; i += width())
     for (int a = 0; a < 3; ++a) {
       const Mask backwards = hn::Lt(load(p.inv[a] + i), set(0));
-      if (!((octant >> a & 1u) != 0 ? hn::AllTrue(kFloats, backwards) : hn::AllFalse(kFloats, backwards))) return false;
+      const bool is_octant = (octant >> a & 1u) != 0 ? hn::AllTrue(kFloats, backwards) : hn::AllFalse(kFloats, backwards);
+      way.mixed |= is_octant ? 0u : 1u << a;
     }
-  return true;
+  return way;
 }
 
 // What all rays of a packet have in common.
@@ -65,13 +67,13 @@ struct ChildPlanes {
 
 // Bvh8Ray::enters(), of the rays from lane i on. Reciprocals for far planes are scaled each time: loads are dearer.
 template <Share kShare>
-HWY_INLINE Mask enter_child(const Packet& p, std::uint32_t octant, std::uint32_t i, const ChildPlanes<kShare>& child) {
+HWY_INLINE Mask enter_child(const Packet& p, Way way, std::uint32_t i, const ChildPlanes<kShare>& child) {
   Floats nearer[3], farther[3];
   for (int a = 0; a < 3; ++a) {
     const Floats inv = load(p.inv[a] + i);
     Floats near_plane = child.near_plane[a], far_plane = child.far_plane[a];
-    if constexpr (kShare == Share::nothing) {
-      const Mask backwards = hn::Lt(inv, set(0)), is_octant = (octant >> a & 1u) != 0 ? backwards : hn::Not(backwards);
+    if (kShare == Share::nothing && (way.mixed >> a & 1u) != 0) {
+      const Mask backwards = hn::Lt(inv, set(0)), is_octant = (way.octant >> a & 1u) != 0 ? backwards : hn::Not(backwards);
       near_plane = hn::IfThenElse(is_octant, child.near_plane[a], child.far_plane[a]);
       far_plane = hn::IfThenElse(is_octant, child.far_plane[a], child.near_plane[a]);
     }
@@ -116,11 +118,11 @@ struct Postponed {
 
 // Every ray of the groups that enters the child goes there. Returns false if there is none.
 template <Share kShare>
-HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, std::uint32_t octant, Active& active) {
-  const ChildPlanes<kShare> child(p, node, to.child, octant);
+HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, Way way, Active& active) {
+  const ChildPlanes<kShare> child(p, node, to.child, way.octant);
   active.groups = 0;
   Active::for_each(to.groups, [&](std::uint32_t g) HWY_ATTR {
-    const Mask entered = enter_child(p, octant, g * width(), child);
+    const Mask entered = enter_child(p, way, g * width(), child);
     hn::StoreMaskBits(kFloats, entered, active.rays[g]);
     active.groups |= static_cast<GroupBits>(!hn::AllFalse(kFloats, entered)) << g;
   });
@@ -176,7 +178,7 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, Way w
     do {
       if (size == 0) return;
       parent = view.nodes + stack[--size].node;
-    } while (!enter<kShare>(stack[size], *parent, p, way.octant, active));
+    } while (!enter<kShare>(stack[size], *parent, p, way, active));
     ref = parent->child[stack[size].child];
   }
 }
@@ -193,8 +195,8 @@ HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch,
       size = std::min(end - first, most);
       load_rays(batch.rays, batch.ids + first, size, faces[first] >> 1, packet);
       const Frustum frustum = frustum_of(packet, faces[first], bounds);
-      const Way way{frustum.signs, from_far_end ? kBvh8Arity - 1 : 0};
-      if (HWY_UNLIKELY(!has_one_way(packet, way.octant)))
+      const Way way = way_of(packet, frustum.signs, from_far_end);
+      if (way.mixed != 0)
         trace_packet<kQuery, Share::nothing>(view, frustum, way, packet);
       else if (packet.has_one_origin)
         trace_packet<kQuery, Share::way_and_origin>(view, frustum, way, packet);
