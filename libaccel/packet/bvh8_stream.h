@@ -110,15 +110,14 @@ class Bvh8StreamBatch {
 
   // Larger blocks make better packets; of rays that make none, small ones keep all threads busy to the end.
   static std::size_t rays_per_task(std::span<const Ray> rays, const Options& options) {
-    return are_alike(rays) ? options.block_size : typename ByTurns::Options{}.block_size;
+    return has_packets(rays) && are_alike(rays) ? options.block_size : typename ByTurns::Options{}.block_size;
   }
 
   Bvh8StreamBatch(const Bvh8View& view, const Options& options, const TraceSingly& trace_singly)
       : view_(view), options_(options), trace_singly_(trace_singly) {}
 
   void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
-    const bool has_packets = std::is_same_v<Test, Watertight> && rays.size() >= kFewestInPackets;
-    if (has_packets)
+    if (has_packets(rays))
       Bvh8StreamTracer<Answer>(view_, options_, options_.plan).trace(rays, answers);
     else
       ByTurns(view_, {}, trace_singly_).trace(rays, answers);
@@ -126,6 +125,10 @@ class Bvh8StreamBatch {
 
  private:
   using ByTurns = Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>;
+
+  static bool has_packets(std::span<const Ray> rays) {
+    return std::is_same_v<Test, Watertight> && rays.size() >= kFewestInPackets;
+  }
 
   const Bvh8View& view_;
   const Options& options_;

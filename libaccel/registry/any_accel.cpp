@@ -233,15 +233,17 @@ Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occ
   return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");
 }
 
-// Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more.
+// Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more. Their
+// settings lie in memory for good: written for each ray they would be read too soon, before a store can be forwarded.
+static const BatchSettings kOneThread = 1;
 Hit AnyAccel::closest(const Ray& ray) const {
   Hit hit;
-  state_->entry->tests[0].closest(state_->structure, {&ray, 1}, {&hit, 1}, 1);
+  state_->entry->tests[0].closest(state_->structure, {&ray, 1}, {&hit, 1}, kOneThread);
   return hit;
 }
 bool AnyAccel::occluded(const Ray& ray) const {
   std::uint8_t occluded = 0;
-  state_->entry->tests[0].occluded(state_->structure, {&ray, 1}, {&occluded, 1}, 1);
+  state_->entry->tests[0].occluded(state_->structure, {&ray, 1}, {&occluded, 1}, kOneThread);
   return occluded != 0;
 }
 
