@@ -41,7 +41,12 @@ Outcome<RayMaker> RayMaker::create(const Scene& scene, const TraceSettings& sett
 }
 
 Outcome<RayBatch> RayMaker::make(const std::string& name) {
-  if (name.ends_with(".npy")) return read_batch(name);
+  auto batch = name.ends_with(".npy") ? read_batch(name) : make_kind(name);
+  if (batch && settings_->query) batch->query = *settings_->query;
+  return batch;
+}
+
+Outcome<RayBatch> RayMaker::make_kind(const std::string& name) {
   const auto kind = parse_ray_kind(name);
   if (!kind) return kind.error();
   auto rays = rays_of(*kind);

@@ -16,7 +16,7 @@ namespace accel::apps {
 
 struct RayBatch {
   std::string name;              // "soft-shadow", "mine.npy"
-  Query query = Query::closest;  // what renderers ask of such rays
+  Query query = Query::closest;  // what renderers ask of such rays, or the user does
   RaySet set;
 
   std::span<const Ray> rays() const { return set.rays.span(); }
@@ -53,6 +53,7 @@ class RayMaker {
   RayMaker(const Scene& scene, const TraceSettings& settings, AnyAccel tracer, CameraDescription camera)
       : scene_(&scene), settings_(&settings), tracer_(std::move(tracer)), camera_(std::move(camera)) {}
 
+  Outcome<RayBatch> make_kind(const std::string& name);
   Result<RaySet> rays_of(RayKind kind);
   Status make_primary();
   Status make_hits();

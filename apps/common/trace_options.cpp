@@ -40,7 +40,7 @@ constexpr const char* kExamples =
 
 // The command line as typed, before names are looked up.
 struct RawOptions {
-  std::string methods = "best", rays, check = "embree", embree, sort, scaling, profile, schedule, device = "cpu",
+  std::string methods = "best", rays, query, check = "embree", embree, sort, scaling, profile, schedule, device = "cpu",
               heatmap_of = "steps";
 };
 
@@ -62,6 +62,11 @@ void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->group("What to trace");
   app.add_option("-r,--rays", raw.rays, "kinds of rays, or .npy files [primary]")
       ->type_name("KIND,...|FILE")
+      ->group("What to trace");
+  app.add_option(
+         "--query", raw.query,
+         "what is asked of all rays: closest or any hit [as renderers ask of\nthe kind, see --list; closest of .npy files]")
+      ->type_name("NAME")
       ->group("What to trace");
   app.add_option("--test", settings.test, "triangle test; --list has all [" + triangle_tests().front() + "]")
       ->type_name("NAME")
@@ -307,6 +312,10 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   const std::string edge(info(RayKind::edge).name);
   if (settings.sweep && std::find(settings.ray_kinds.begin(), settings.ray_kinds.end(), edge) == settings.ray_kinds.end())
     settings.ray_kinds.push_back(edge);
+
+  if (!raw.query.empty() && raw.query != "closest" && raw.query != "any")
+    return unknown("--query", "query", raw.query, {"closest", "any"});
+  if (!raw.query.empty()) settings.query = raw.query == "any" ? Query::any : Query::closest;
 
   const auto check = parse_check(raw.check);
   if (!check) return check.failure();

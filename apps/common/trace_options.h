@@ -26,6 +26,7 @@ struct TraceSettings {
   std::string camera;                  // a name, a number or ten numbers; empty: the scene's first, or derived
   std::vector<std::string> methods;    // names, or "all"
   std::vector<std::string> ray_kinds;  // names, or .npy files
+  std::optional<Query> query;          // asked of all rays; else what renderers ask of their kind, closest hits of files
   std::string test;                    // a triangle test; empty: the first
   std::string device = "cpu";
   BuildOptions build;

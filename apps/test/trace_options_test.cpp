@@ -49,6 +49,15 @@ TEST(TraceOptions, ModesOfEmbreeAreLookedUp) {
   expect_refused({"--embree", "fast,"}, "--embree");
 }
 
+TEST(TraceOptions, QueriesAreLookedUp) {
+  const auto none = parse({"builtin:cornell"}), any = parse({"--query", "any"}), closest = parse({"--query", "closest"});
+  ASSERT_TRUE(none && any && closest);
+  EXPECT_EQ(none->query, std::nullopt);
+  EXPECT_EQ(any->query, Query::any);
+  EXPECT_EQ(closest->query, Query::closest);
+  expect_refused({"--query", "closst"}, "did you mean 'closest'?");
+}
+
 TEST(TraceOptions, BadNumbersNameTheFlag) {
   for (const std::string flag : {"--width", "--height", "--spp", "--count", "--judge-limit"})
     for (const std::string bad : {"0", "-1", "1.5", "abc", "99999999999999999999", ""})

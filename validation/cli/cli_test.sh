@@ -495,6 +495,15 @@ assert (t[:, 1:] >= t[:, :-1]).all() and numpy.isfinite(t[:, 3]).any() and numpy
   fi
 }
 
+# Shadow rays that come back from a file ask the same; of any other rays the answer is whether they hit anything.
+test_query_is_the_users_choice() {
+  expect 0 trace builtin:cornell --rays shadow --rays-out rays.npy --hits-out one.npy
+  expect 0 trace builtin:cornell --rays rays.npy --query any --hits-out two.npy; cmp -s one.npy two.npy || fail "the answers differ"
+  expect 0 trace builtin:cornell --rays rays.npy --hits-out three.npy
+  ! cmp -s one.npy three.npy || fail "files are traced for closest hits unless something else is asked"
+  expect 0 trace builtin:cornell --rays shadow --query closest --hits-out four.npy; cmp -s three.npy four.npy || fail "the hits differ"
+}
+
 test_any_hit_kinds_write_hits() { expect 0 trace builtin:cornell --rays shadow --hits-out hits.npy; [ -s hits.npy ] || fail "no hits"; }
 
 test_pictures() {

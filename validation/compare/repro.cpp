@@ -90,6 +90,7 @@ std::set<std::uint32_t> involved(const Judge& judge, const ReproCase& one, const
 std::string again(const std::filesystem::path& rays, const ReproContext& context) {
   std::string text = "accel-trace " + shell_quoted(context.scene);
   for (const std::string& option : context.options) text += " " + shell_quoted(option);
+  if (context.query == Query::any) text += " --query any";
   return text + " --method " + context.method + " --check exact --rays " + shell_quoted(rays.string());
 }
 

@@ -89,6 +89,7 @@ TEST_F(Repro, AnyHitAndUnwritableFolders) {
   const auto path = write_repro(folder_ / "any", judge, cases, {"accel-trace", "demo.ply", "bvh/stack", Query::any, {}});
   ASSERT_TRUE(path.ok()) << path.message();
   const std::string text = read(*path);
+  EXPECT_THAT(text, HasSubstr("again     accel-trace demo.ply --query any --method bvh/stack "));
   EXPECT_THAT(text, HasSubstr("query     any hit\n"));
   EXPECT_THAT(text, HasSubstr("ours     free\n"));
   EXPECT_THAT(text, HasSubstr("witness  occluded\n"));
