@@ -7,9 +7,9 @@
 // shortened them; groups without a ray that enters leave the packet there. Leaves are tested triangle by triangle, by the
 // groups that are left.
 //
-// What the rays of a packet have in common is not computed for each. Where they start at one point, as those of a camera, planes
-// of boxes and vertices are moved there once for all of them, and so is the distance of a triangle's plane; where they run the
-// same way along an axis, no ray chooses which planes are near.
+// What the rays of a packet have in common is not computed for each. Where they start at one point, as those of a camera,
+// planes of boxes and vertices are moved there once for all of them, and so is the distance of a triangle's plane; where they
+// run the same way along an axis, no ray chooses which planes are near.
 //
 // The box test of a ray is that of trace/bvh8_ray.h, so that a ray meets the triangles that it meets by itself, in another
 // order, and has the same hit bit for bit.
@@ -29,6 +29,6 @@ void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, 
 //
 // Any-hit queries may begin at the far end: what is around a light is in the way of many rays, or of none.
 void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces,
-                                  std::uint8_t* occluded, bool from_far_end = false);
+                             std::uint8_t* occluded, bool from_far_end = false);
 
 }  // namespace accel

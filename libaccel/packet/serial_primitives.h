@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <numeric>
 #include <type_traits>
 #include <utility>
@@ -47,11 +46,6 @@ struct SerialPrimitives {
   static std::size_t compact(const std::uint8_t* flags, std::size_t n, std::uint32_t* out) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      // Where flags are rare, as those of heads are, eight at a time.
-      if (std::uint64_t eight = 0; i + 8 <= n && (std::memcpy(&eight, flags + i, sizeof eight), eight == 0)) {
-        i += 7;
-        continue;
-      }
       out[count] = static_cast<std::uint32_t>(i);  // overwritten unless flagged: cheaper than a branch
       count += flags[i] != 0;
     }
