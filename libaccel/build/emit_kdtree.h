@@ -26,6 +26,13 @@ struct KdTreelet {
   KdNode add_leaf(std::size_t count) {
     return KdNode::leaf(count > 0 ? static_cast<std::uint32_t>(references.size()) : kEmptyLeaf, leaves++);
   }
+  // Takes back what has been added since mark().
+  struct Mark {
+    std::size_t nodes, references;
+    std::uint32_t leaves;
+  };
+  Mark mark() const { return {nodes.size(), references.size(), leaves}; }
+  void take_back(const Mark& mark) { nodes.resize(mark.nodes), references.resize(mark.references), leaves = mark.leaves; }
   std::size_t size_bytes() const { return nodes.capacity() * sizeof(KdNode) + references.capacity() * sizeof(std::uint32_t); }
 };
 

@@ -17,6 +17,9 @@ namespace {
 
 // Sets above this are split one by one, their children in concurrent tasks; a smaller set becomes a treelet, built by one task.
 constexpr std::size_t kKdTaskSize = 8192;
+// Where a leaf would be dear, up to so many planes on a path may cost more than the leaf, each up to so many times as much.
+constexpr int kMostLosses = 4;
+constexpr double kMostLoss = 2;
 
 // What the build has to say about itself. Sums, so that they do not depend on the order of tasks.
 struct KdTally {
@@ -34,13 +37,18 @@ struct KdTally {
 
 class KdTreeBuilder {
  public:
-  KdTreeBuilder(BuildContext& context, const KdSplitter& splitter, const KdCosts& costs, ProgressMeter& progress)
-      : context_(context), splitter_(splitter), costs_(costs), progress_(progress) {}
+  KdTreeBuilder(BuildContext& context, const KdSplitter& splitter, const KdCosts& costs, const Aabb& scene,
+                ProgressMeter& progress)
+      : context_(context),
+        splitter_(splitter),
+        costs_(costs),
+        dear_(costs.dear_leaf * half_area_in_double(scene)),
+        progress_(progress) {}
 
   // The tree over a set that lies in `memory`. When progress says stop, what is left is put into leaves.
   std::unique_ptr<KdSubtree> build(const KdSet& set, ScratchStack memory) {
     auto tree = std::make_unique<KdSubtree>();
-    const KdPlane plane = set.size > kKdTaskSize ? choose_plane(set) : KdPlane{};
+    const KdPlane plane = set.size > kKdTaskSize ? choose_plane(set, cost_as_leaf(set)) : KdPlane{};
     if (!plane.found()) {
       build_treelet(set, memory, tree->treelet);
       return tree;
@@ -69,46 +77,64 @@ class KdTreeBuilder {
     ScratchStack& memory;
     ScratchStack scratch;
     KdTreelet& treelet;
+  };
+  // A node of a treelet, and what is known of all below it. Costs are times the half area of the cell.
+  struct Branch {
+    KdNode root;
+    double cost;
     KdTally tally;
   };
 
   void build_treelet(const KdSet& set, ScratchStack& memory, KdTreelet& treelet) {
-    Task task{memory, ScratchStack(context_.memory), treelet, {}};
+    Task task{memory, ScratchStack(context_.memory), treelet};
     treelet.cell = set.cell;
-    treelet.root = build_node(set, task);
+    const Branch branch = build_node(set, kMostLosses, task);
+    treelet.root = branch.root;
     context_.memory.add(treelet.size_bytes());
     progress_.advance(set.limit);
-    add(task.tally);
+    add(branch.tally);
   }
 
-  KdNode build_node(const KdSet& set, Task& task) {
-    const KdPlane plane = choose_plane(set);
-    if (!plane.found()) return build_leaf(set, plane, task);
+  // `losses`: how many more planes may cost more than the leaf in their place.
+  Branch build_node(const KdSet& set, int losses, Task& task) {
+    const double leaf_cost = cost_as_leaf(set);
+    const KdPlane plane = choose_plane(set, losses > 0 && leaf_cost >= dear_ ? kMostLoss * leaf_cost : leaf_cost);
+    if (!plane.found()) return build_leaf(set, plane.is_limited, task);
     const ScratchStack::Mark mark = task.memory.mark();
+    const KdTreelet::Mark before = task.treelet.mark();
     KdSet children[2];
-    task.tally.dropped_parts += splitter_.split(set, plane, task.scratch, task.memory, task.memory, children);
+    Branch branch{};
+    branch.tally.dropped_parts = splitter_.split(set, plane, task.scratch, task.memory, task.memory, children);
     const std::size_t pair = task.treelet.nodes.size();
     task.treelet.nodes.resize(pair + 2);
+    branch.root = KdNode::inner(plane.axis, plane.position, static_cast<std::uint32_t>(pair));
+    branch.cost = costs_.traversal * half_area_in_double(set.cell);
     for (int c = 0; c < 2; ++c) {
-      const KdNode child = build_node(children[c], task);
-      task.treelet.nodes[pair + c] = child;
+      const Branch child = build_node(children[c], plane.cost < leaf_cost ? losses : losses - 1, task);
+      task.treelet.nodes[pair + c] = child.root;
+      branch.cost += child.cost, branch.tally += child.tally;
     }
+    if (children[0].size == 0 || children[1].size == 0) branch.cost *= 1 - costs_.empty_bonus;
     task.memory.release(mark);
-    return KdNode::inner(plane.axis, plane.position, static_cast<std::uint32_t>(pair));
+    if (branch.cost < leaf_cost) return branch;
+    task.treelet.take_back(before);
+    return build_leaf(set, false, task);
   }
 
-  static KdNode build_leaf(const KdSet& set, const KdPlane& plane, Task& task) {
-    task.tally += {set.levels, 0, plane.is_limited ? 1u : 0u, set.levels == 0 && set.size > 0 ? 1u : 0u};
+  // is_limited: it is a leaf for lack of room for references.
+  Branch build_leaf(const KdSet& set, bool is_limited, Task& task) const {
     const KdNode leaf = task.treelet.add_leaf(set.size);
     for (std::uint32_t i = 0; i < set.size; ++i) task.treelet.references.push_back(set.references[i].prim_id);
     if (set.size > 0) task.treelet.references.back() |= kLastReference;
-    return leaf;
+    return {leaf, cost_as_leaf(set), {set.levels, 0, is_limited ? 1u : 0u, set.levels == 0 && set.size > 0 ? 1u : 0u}};
   }
 
-  // The cheapest plane, if the set is better split there than left whole; else one that is not found().
-  KdPlane choose_plane(const KdSet& set) const {
+  double cost_as_leaf(const KdSet& set) const { return costs_.of_leaf(set.size) * half_area_in_double(set.cell); }
+
+  // The cheapest plane, if it costs less than `most`; else one that is not found().
+  KdPlane choose_plane(const KdSet& set, double most) const {
     if (set.size == 0 || set.levels == 0 || progress_.stopped()) return {};
-    return cheapest_plane(set, costs_, costs_.of_leaf(set.size) * half_area_in_double(set.cell));
+    return cheapest_plane(set, costs_, most);
   }
 
   void add(const KdTally& tally) {
@@ -119,6 +145,7 @@ class KdTreeBuilder {
   BuildContext& context_;
   const KdSplitter& splitter_;
   const KdCosts costs_;
+  const double dear_;  // what a leaf costs that is dear, times the scene's half area
   ProgressMeter& progress_;
   std::mutex mutex_;
   KdTally tally_;
@@ -166,7 +193,7 @@ Result<Built<KdTree>> KdTreeSah::build(const TriangleMesh& mesh, const BuildOpti
 
     context.begin_phase("split");
     ProgressMeter progress(context.options.progress, "split", root.limit);
-    KdTreeBuilder builder(context, splitter, costs, progress);
+    KdTreeBuilder builder(context, splitter, costs, root.cell, progress);
     const std::unique_ptr<KdSubtree> subtree = builder.build(root, std::move(memory));
     if (progress.stopped()) return Error{std::string(kInterrupted)};
 

@@ -3,7 +3,8 @@
 //
 // Triangles are clipped to cells ("perfect" splits, section 5.3) and padded, so that traversers need no epsilon: padding.h says
 // why, kdtree_split.h how. A node becomes a leaf where no plane promises less than the cost of testing all its triangles, where
-// it has no level left, or where all such planes would make more references than its share.
+// it has no level left, or where all such planes would make more references than its share. Deviation: where a leaf would be
+// dear, it becomes one only if some more planes do not pay either (kdtree_costs.h).
 //
 // Deviations: one list of events an axis, and no planar events, since padded triangles are never flat; references are bounded.
 //

@@ -21,6 +21,12 @@ Built<KdTree> build(const TriangleMesh& mesh, const BuildOptions& options = {}) 
   return test::build<KdTreeSah>(mesh, options);
 }
 
+KdTree build_with(const TriangleMesh& mesh, const KdCosts& costs) {
+  Result<Built<KdTree>> built = KdTreeSah::build(mesh, {}, costs);
+  EXPECT_TRUE(built.ok()) << built.error().message;
+  return std::move(built->structure);
+}
+
 // Planes that many triangles share: where ties and closed cells show.
 TriangleMesh coplanar_stacks() {
   std::vector<Triangle> triangles;
@@ -42,6 +48,20 @@ TriangleMesh thousand_planes() {
     triangles.push_back({{0, 0, 1}, {4, 4, 1}, {0, 4, 1}});
   }
   triangles.push_back({{0, 0, 0}, {4, 0, 0}, {4, 4, 2}});
+  return test::mesh_of(triangles);
+}
+
+// A room with a few small things in the middle.
+TriangleMesh furnished_room(int things) {
+  std::vector<Triangle> triangles;
+  for (int i = 0; i < things; ++i) {
+    const float x = 5 + 0.01f * static_cast<float>(i);
+    triangles.push_back({{x, 5, 5}, {x, 5.02f, 5}, {x, 5, 5.02f}});
+  }
+  for (const float z : {0.0f, 10.0f}) {
+    triangles.push_back({{0, 0, z}, {10, 0, z}, {10, 10, z}});
+    triangles.push_back({{0, 0, z}, {10, 10, z}, {0, 10, z}});
+  }
   return test::mesh_of(triangles);
 }
 
@@ -144,6 +164,15 @@ std::vector<LeafCell> leaf_cells(const KdTree& tree) {
     result.push_back(leaf);
   }
   return result;
+}
+
+// As kdtree_plane.h has it, with empty leaves free.
+double expected_cost(const KdTree& tree, const KdCosts& costs) {
+  double cost = costs.traversal * kdtree_stats(tree).expected_steps;
+  for (const LeafCell& leaf : leaf_cells(tree))
+    cost += costs.of_leaf(static_cast<double>(leaf.prim_ids.size())) * half_area_in_double(leaf.cell) /
+            half_area_in_double(tree.bounds);
+  return cost;
 }
 
 TEST(KdTreeSah, NothingToBuildIsAnEmptyTree) {
@@ -257,6 +286,27 @@ TEST(KdTreeSah, TheBonusCutsOffEmptySpace) {
     return static_cast<double>(stats.empty_leaves) / static_cast<double>(stats.leaves);
   };
   EXPECT_GT(empty_leaves(0.5f), empty_leaves(0.0f));
+}
+
+// Where no plane pays, some may do so together; those that do not are taken back: no tree is dearer, some are the same.
+TEST(KdTreeSah, LooksFurtherWhereALeafIsDear) {
+  constexpr KdCosts kGreedy{.traversal = 1.5, .intersection = 1, .leaf = 2, .empty_bonus = 0};
+  KdCosts looks_further = kGreedy;
+  looks_further.dear_leaf = 0.003;
+  std::vector<test::NamedMesh> all = meshes();
+  for (int things = 0; things < 4; ++things) all.push_back({"room with " + std::to_string(things), furnished_room(things)});
+  std::size_t cheaper = 0, same = 0;
+  for (const auto& [name, mesh] : all) {
+    SCOPED_TRACE(name);
+    const KdTree greedy = build_with(mesh, kGreedy), further = build_with(mesh, looks_further);
+    const double cost = expected_cost(further, kGreedy), greedy_cost = expected_cost(greedy, kGreedy);
+    EXPECT_LE(cost, greedy_cost * (1 + 1e-9));
+    cheaper += cost < 0.99 * greedy_cost;
+    same += std::ranges::equal(greedy.nodes.span(), further.nodes.span(),
+                               [](const KdNode& a, const KdNode& b) { return a.payload == b.payload && a.link == b.link; });
+  }
+  EXPECT_GE(cheaper, 3u);
+  EXPECT_GE(same, 3u);
 }
 
 TEST(KdTreeSah, ScalingByAPowerOfTwoKeepsTheTree) {
