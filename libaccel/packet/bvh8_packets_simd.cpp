@@ -97,9 +97,12 @@ struct Active {
 
   HWY_INLINE static Active all(const Packet& p) {
     Active active;
-    active.groups = ~GroupBits{0} >> (kMostGroups - p.lanes / width());
-    for (std::uint32_t g = 0; g < p.lanes / width(); ++g)
-      hn::StoreMaskBits(kFloats, hn::Ge(load(p.t + g * width()), set(0)), active.rays[g]);
+    active.groups = 0;
+    for (std::uint32_t g = 0; g < p.lanes / width(); ++g) {
+      const Mask waiting = hn::Ge(load(p.t + g * width()), set(0));
+      hn::StoreMaskBits(kFloats, waiting, active.rays[g]);
+      active.groups |= static_cast<GroupBits>(!hn::AllFalse(kFloats, waiting)) << g;
+    }
     return active;
   }
   // body(group), in ascending order.
@@ -153,11 +156,22 @@ HWY_INLINE void fetch(const Bvh8View& view, NodeRef ref) {
   for (std::size_t line = 0; line < sizeof(Bvh8Node); line += 64) hwy::Prefetch(at + line);
 }
 
+// The leaf that has stopped most rays of the last packet, which may stop the next one's: they run beside them.
+struct Occluder {
+  NodeRef leaf = kNoNode;
+  std::uint32_t stopped = 0;
+
+  // Of fewer rays than a quarter, the tests cost what they save.
+  HWY_INLINE bool is_promising(const Packet& p) const { return 4 * stopped >= p.size; }
+};
+
 template <Query kQuery, Share kShare>
-HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, Way way, Packet& p) {
+HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, Way way, Packet& p, Occluder& occluder) {
   Postponed stack[bvh8_stack_size(kMostBvh8Depth)];
   std::size_t size = 0;
-  NodeRef ref = view.root;
+  bool is_at_occluder = kQuery == Query::any && occluder.is_promising(p);
+  NodeRef ref = is_at_occluder ? occluder.leaf : view.root;
+  occluder.stopped = 0;
   Active active = Active::all(p);
   std::uint32_t answered = 0;
   for (;;) {
@@ -171,8 +185,16 @@ HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, Way w
         if ((met >> c & 1u) != 0) fetch(view, node.child[c]);
       }
     } else {
-      answered += intersect_leaf<kQuery, kShare>(view.blocks, ref, active, p);
-      if (kQuery == Query::any && answered == p.size) return;
+      const std::uint32_t more = intersect_leaf<kQuery, kShare>(view.blocks, ref, active, p);
+      if constexpr (kQuery == Query::any) {
+        if (more > occluder.stopped) occluder = {ref, more};
+        answered += more;
+        if (answered == p.size) return;
+        if (is_at_occluder) {
+          is_at_occluder = false, ref = view.root, active = Active::all(p);
+          continue;
+        }
+      }
     }
     const Bvh8Node* parent;
     do {
@@ -189,6 +211,7 @@ HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch,
   Packet packet;
   const Aabb bounds = bounds_of_children(view.nodes[view.root]);
   const std::uint32_t most = std::min(kMostGroups * width(), kMaxPacketSize);
+  Occluder occluder;
   for (std::size_t i = 0; i < batch.count; ++i) {
     const std::uint32_t end = batch.packets[batch.active[i] + 1];
     for (std::uint32_t first = batch.packets[batch.active[i]], size; first < end; first += size) {
@@ -197,11 +220,11 @@ HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch,
       const Frustum frustum = frustum_of(packet, faces[first], bounds);
       const Way way = way_of(packet, frustum.signs, from_far_end);
       if (way.mixed != 0)
-        trace_packet<kQuery, Share::nothing>(view, frustum, way, packet);
+        trace_packet<kQuery, Share::nothing>(view, frustum, way, packet, occluder);
       else if (packet.has_one_origin)
-        trace_packet<kQuery, Share::way_and_origin>(view, frustum, way, packet);
+        trace_packet<kQuery, Share::way_and_origin>(view, frustum, way, packet, occluder);
       else
-        trace_packet<kQuery, Share::way>(view, frustum, way, packet);
+        trace_packet<kQuery, Share::way>(view, frustum, way, packet, occluder);
       for (std::uint32_t r = 0; r < size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
     }
   }

@@ -11,6 +11,9 @@
 // planes of boxes and vertices are moved there once for all of them, and so is the distance of a triangle's plane; where they
 // run the same way along an axis, no ray chooses which planes are near.
 //
+// Any-hit queries begin with the leaf that has stopped most rays of the packet before, if that was a quarter of them. Its box is
+// not asked: the part of a wall that a spatial split has left in that leaf names the whole wall.
+//
 // The box test of a ray is that of trace/bvh8_ray.h, so that a ray meets the triangles that it meets by itself, in another
 // order, and has the same hit bit for bit.
 #pragma once
