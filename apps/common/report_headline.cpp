@@ -164,12 +164,19 @@ std::string finding_html(const ReportData& data) {
          "." + errors_text(*best) + witness_text(data) + "</p>\n";
 }
 
+// Where the user has said what is asked, whatever the kind of rays.
+std::string asked_of_all(const ReportData& data) {
+  const std::string query = data.context_text("query");
+  if (query.empty()) return {};
+  return query == "any" ? "of all rays, whether they meet anything" : "of all rays, their closest hits";
+}
+
 std::string facts_html(const ReportData& data) {
   const auto number = [&](const char* key) { return data.number(std::string("/context/") + key).value_or(0); };
   const std::string test = data.context_text("triangle_test");
   return "<dl class=\"facts\">\n" + fact("Scene", data.context_text("scene")) +
          fact("Triangles", count_text(number("triangles")) + ", loaded in " + seconds_text(number("load_seconds"))) +
-         fact("Rays", rays_text(data)) +
+         fact("Rays", rays_text(data)) + fact("Query", asked_of_all(data)) +
          fact("Picture", print("%.0f × %.0f pixels, %.0f a pixel", number("width"), number("height"), number("spp"))) +
          fact("Camera", camera_text(data.context()["camera"])) + fact("Triangle test", data.have_tests() ? "" : test) +
          fact("Timed runs", count_text(number("repeat")) + " of each method, in turns") +

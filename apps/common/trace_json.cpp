@@ -31,6 +31,9 @@ std::string date_text() {
   return {text, length};
 }
 
+// As --query has it.
+const char* query_text(Query query) { return query == Query::any ? "any" : "closest"; }
+
 Json vec_json(Vec3 v) { return {v.x, v.y, v.z}; }
 
 Json camera_json(const CameraDescription& c) {
@@ -94,6 +97,7 @@ Json context_json(const TraceReport& report, const TraceSettings& settings) {
           {"width", settings.width},
           {"height", settings.height},
           {"spp", settings.spp},
+          {"query", settings.query ? query_text(*settings.query) : ""},
           {"device", report.device},
           {"triangle_test", triangle_test_text(settings)},
           {"packets",
@@ -244,6 +248,7 @@ Json row_json(const TraceRow& row, const TraceReport& report, const TraceSetting
                {"time_unit", "ms"},
                {"method", row.method},
                {"rays_kind", row.rays_kind},
+               {"query", query_text(row.query)},
                {"rays", row.rays},
                {"mrays_per_second", row.speed.median},
                {"mrays_min", row.speed.least},
@@ -275,6 +280,7 @@ Json sort_json(const SortRow& row, const TraceReport& report, const TraceSetting
           {"threads", report.threads},
           {"method", row.method},
           {"rays_kind", row.rays_kind},
+          {"query", query_text(row.query)},
           {"rays", row.rays},
           {"sort", name_of(*settings.sort)},
           {"cell_fraction", settings.packets.cell_fraction},

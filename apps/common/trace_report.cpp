@@ -137,8 +137,11 @@ std::string speed_section(const TraceReport& report, const TraceSettings& settin
          ratio_text(row, report.embree_row(row.rays_kind)), row.counters ? per_ray(row.counters->node_steps, row.rays) : "",
          row.counters ? per_ray(row.counters->triangle_tests, row.rays) : "", verdict_cell(row, terminal)});
   }
+  const char* asked = !settings.query                 ? ""
+                      : *settings.query == Query::any ? "; all ask for any hit"
+                                                      : "; all ask for the closest";
   return section(terminal, "Speed, median of " + counted(static_cast<std::uint64_t>(settings.repeat), "run") +
-                               " in turns; nodes and tests a ray") +
+                               " in turns; nodes and tests a ray" + asked) +
          table.text();
 }
 

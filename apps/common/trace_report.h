@@ -53,12 +53,13 @@ struct TraceRow {
   std::optional<validation::CheckResult> check;  // not for Embree, and not when nothing is checked
   std::optional<SimtProfile> simt;
   std::optional<MultipassProfile> multipass;
-  std::string repro;                    // the bundle that reproduces failures, where one was written
-  const EmbreeTimed* embree = nullptr;  // the mode, of Embree's rows
-  std::string test = {};                // the triangle test, of ours
-  bool promised = true;                 // wrong hits are failures: not of what is there to be compared
+  std::string repro;                        // the bundle that reproduces failures, where one was written
+  const EmbreeTimed* embree = nullptr;      // the mode, of Embree's rows
+  std::string test = {};                    // the triangle test, of ours
+  bool promised = true;                     // wrong hits are failures: not of what is there to be compared
   std::optional<double> instructions = {};  // a ray, where they are counted
   std::optional<SweepPoint> point = {};     // of a sweep
+  Query query = Query::closest;             // asked of the rays
 
   // "sbvh/stack", or with a test that is not the first, "sbvh/stack + woop".
   std::string configuration() const;
@@ -85,6 +86,7 @@ struct SortRow {
   SortCost cost;
   Speed as_they_came, sorted;   // without the cost
   std::uint64_t different = 0;  // answers
+  Query query = Query::closest;
 
   double sorted_in_all() const;  // millions of rays a second, the cost included
 };
@@ -104,8 +106,8 @@ struct TraceReport {
   std::vector<SortRow> sorts;
   std::vector<BuildNote> notes;  // of the builds, each once
   std::vector<Skip> skipped;
-  std::vector<Advice> advice;         // of a sweep, by kind of rays
-  std::vector<ScalingPoint> scaling;  // by method, and by triangles
+  std::vector<Advice> advice;            // of a sweep, by kind of rays
+  std::vector<ScalingPoint> scaling;     // by method, and by triangles
   std::vector<MethodPictures> pictures;  // for --report
 
   std::uint64_t failures() const;

@@ -265,6 +265,7 @@ class TraceRun {
     SortRow row{traced.accel().method().name, traced.batch.name, traced.batch.size(), sorted.order.chunks, sorted.cost};
     row.as_they_came = traced.measured.speed, row.sorted = in_order.speed;
     const Answers answers = unsorted(in_order.answers, sorted.order, settings_.common.threads, row.cost);
+    row.query = traced.batch.query;
     row.different = differences(traced.measured.answers, answers);
     report_.sorts.push_back(std::move(row));
   }
@@ -325,6 +326,7 @@ class TraceRun {
 
   static TraceRow row_of(const std::string& name, const RayBatch& batch, const Measurement& measured, std::size_t structure) {
     TraceRow row{name, batch.name, batch.size(), measured.speed, measured.passes, structure};
+    row.query = batch.query;
     if (const auto instructions = measured.instructions(); instructions && batch.size() > 0)
       row.instructions = *instructions / static_cast<double>(batch.size());
     return row;

@@ -503,6 +503,14 @@ test_query_is_the_users_choice() {
   ! cmp -s one.npy three.npy || fail "files are traced for closest hits unless something else is asked"
   expect 0 trace builtin:cornell --rays shadow --query closest --hits-out four.npy; cmp -s three.npy four.npy || fail "the hits differ"
 }
+test_query_is_in_what_is_reported() {
+  needs_python
+  expect 0 trace builtin:cornell --rays primary,shadow --json usual.json; lacks out "all ask for"
+  json usual.json '{(r["rays_kind"], r["query"]) for r in j["benchmarks"]} == {("primary", "closest"), ("shadow", "any")}'
+  expect 0 trace builtin:cornell --rays primary,shadow --query any --json any.json --report any.html; says out "all ask for any hit"
+  json any.json 'all(r["query"] == "any" for r in j["benchmarks"]) and j["context"]["query"] == "any"'
+  grep -q "of all rays, whether they meet anything" any.html || fail "the page does not say what is asked"
+}
 
 test_any_hit_kinds_write_hits() { expect 0 trace builtin:cornell --rays shadow --hits-out hits.npy; [ -s hits.npy ] || fail "no hits"; }
 
