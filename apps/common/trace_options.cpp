@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "apps/common/command_line.h"
 #include "apps/common/embree_modes.h"
@@ -270,21 +271,27 @@ Finished parse_profiles(const std::string& text, TraceSettings& settings) {
   return Done{};
 }
 
-// Both models' schedules, which have no name in common.
+// Both models' schedules, which have no name in common: at most one of each model that is asked for.
 Finished parse_schedules(const std::string& text, TraceSettings& settings) {
+  bool has_simt = false, has_multipass = false;
   for (const std::string& name : names_of(text)) {
     std::vector<std::string_view> known;
-    bool found = false;
+    bool is_simt = false, is_multipass = false;
     for (const ScheduleName& s : kSchedules) {
       known.push_back(s.name);
-      if (s.name == name) settings.schedule = s.schedule, found = true;
+      if (s.name == name) settings.schedule = s.schedule, is_simt = true;
     }
     for (int r = 0; r < kMultipassRules; ++r) {
       const auto rule = static_cast<MultipassRule>(r);
       known.emplace_back(rule_name(rule));
-      if (known.back() == name) settings.multipass.rule = rule, found = true;
+      if (known.back() == name) settings.multipass.rule = rule, is_multipass = true;
     }
-    if (!found) return unknown("--schedule", "schedule", name, known);
+    if (!is_simt && !is_multipass) return unknown("--schedule", "schedule", name, known);
+    const std::string subject = "--schedule: '" + name + "' is about " + (is_simt ? "warps" : "passes");
+    if (!(is_simt ? settings.profile_simt : settings.profile_multipass))
+      return usage(subject + "; add --profile " + (is_simt ? "simt" : "multipass"));
+    if (std::exchange(is_simt ? has_simt : has_multipass, true))
+      return usage(subject + ", as a name before it; give one of them");
   }
   return Done{};
 }
@@ -331,8 +338,8 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
     settings.sort = *sort;
   }
   settings.scaling = names_of(raw.scaling);
-  if (auto done = parse_schedules(raw.schedule, settings); !done) return done;
   if (auto done = parse_profiles(raw.profile, settings); !done) return done;
+  if (auto done = parse_schedules(raw.schedule, settings); !done) return done;
   const auto counter = parse_counter(raw.heatmap_of);
   if (!counter) return counter.failure();
   settings.heatmap_of = *counter;
@@ -396,7 +403,6 @@ Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings)
     bool has_effect;
     const char* message;
   } options[] = {
-      {"--schedule", settings.profile_simt || settings.profile_multipass, "is about profiles; add --profile simt or multipass"},
       {"--batch", settings.profile_multipass, "is about passes; add --profile multipass"},
       {"--compact", settings.profile_multipass, "is about passes; add --profile multipass"},
       {"--heatmap-of", !settings.heatmap.empty() || !settings.report.empty(), "is about heat maps; add --heatmap or --report"},

@@ -81,7 +81,10 @@ TEST(TraceOptions, NumbersHaveTheirRanges) {
 }
 
 TEST(TraceOptions, OptionsWithoutEffectAreRefused) {
-  expect_refused({"builtin:cornell", "--schedule", "if-if"}, "--schedule: is about profiles");
+  expect_refused({"builtin:cornell", "--schedule", "if-if"}, "is about warps; add --profile simt");
+  expect_refused({"builtin:cornell", "--profile", "simt", "--schedule", "if-if,drain"},
+                 "is about passes; add --profile multipass");
+  expect_refused({"builtin:cornell", "--profile", "simt", "--schedule", "if-if,persistent"}, "give one of them");
   expect_refused({"builtin:cornell", "--profile", "simt", "--batch", "9"}, "--batch: is about passes");
   expect_refused({"builtin:cornell", "--compact"}, "--compact: is about passes");
   expect_refused({"builtin:cornell", "--heatmap-of", "leaves"}, "--heatmap-of: is about heat maps");
