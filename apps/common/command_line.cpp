@@ -201,7 +201,8 @@ Outcome<std::string> parse_arguments(CLI::App& app, int argc, char** argv, Commo
   } catch (const CLI::ParseError& error) {
     return Failure(ExitStatus::usage, error.what());
   }
-  const std::vector<std::string> remaining = app.remaining();
+  std::vector<std::string> remaining = app.remaining();
+  std::erase(remaining, "--");  // what follows is no option: CLI11 knows that, and keeps the mark
   if (!remaining.empty()) return unexpected(app, remaining.front());
   return std::string();
 }

@@ -49,6 +49,12 @@ test_help() {
   expect 0 "$ACCEL_BUILD" --help; says out "Examples:"
 }
 
+test_what_follows_two_dashes_is_no_option() {
+  quad; mv quad.obj ./-quad.obj
+  expect 0 trace --check none -- -quad.obj; says out "2 triangles"
+  usage_error trace --check none -- -quad.obj another.obj; says err "another.obj"
+}
+
 test_help_fits_100_columns() {
   for program in "$ACCEL_TRACE" "$ACCEL_BUILD"; do
     expect 0 "$program" --help
