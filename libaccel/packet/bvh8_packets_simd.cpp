@@ -217,6 +217,7 @@ HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch,
     for (std::uint32_t first = batch.packets[batch.active[i]], size; first < end; first += size) {
       size = std::min(end - first, most);
       load_rays(batch.rays, batch.ids + first, size, faces[first] >> 1, packet);
+      if constexpr (kQuery == Query::any) packet.reach = reach_of(packet, bounds);
       const Frustum frustum = frustum_of(packet, faces[first], bounds);
       const Way way = way_of(packet, frustum.signs, from_far_end);
       if (way.mixed != 0)

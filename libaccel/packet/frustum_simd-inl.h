@@ -24,7 +24,7 @@ HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& b
   const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
   Frustum frustum{.face = face};
   const int axis = frustum.axis();
-  Floats nearest = set(kInfinity), farthest = set(-kInfinity), origins = hn::Zero(kFloats);
+  Floats nearest = set(kInfinity), farthest = set(-kInfinity);
   std::size_t negative[3] = {};
   for (std::uint32_t i = 0; i < p.lanes; i += width) {
     const Floats org = load(p.org[axis] + i), dir = load(p.dir[axis] + i);
@@ -33,10 +33,8 @@ HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& b
     const auto is_ray = hn::Lt(load(p.t_min + i), set(kInfinity));
     nearest = hn::IfThenElse(is_ray, least(least(first, last), nearest), nearest);
     farthest = hn::IfThenElse(is_ray, most(most(first, last), farthest), farthest);
-    for (int a = 0; a < 3; ++a) {
-      origins = most(hn::Abs(load(p.org[a] + i)), origins);
+    for (int a = 0; a < 3; ++a)
       negative[a] += hn::CountTrue(kFloats, hn::And(is_ray, hn::Lt(load(p.dir[a] + i), hn::Zero(kFloats))));
-    }
   }
   for (int a = 0; a < 3; ++a) frustum.signs |= (2 * negative[a] > p.size ? 1u : 0u) << a;
   const float begin = max_of(least_lane(nearest), bounds.lo[axis]), end = min_of(most_lane(farthest), bounds.hi[axis]);
@@ -51,7 +49,7 @@ HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& b
     }
     first[s] = {least_lane(least_first), most_lane(most_first)}, last[s] = {least_lane(least_last), most_lane(most_last)};
   }
-  frustum.set_sides(begin, end, first, last, most_lane(origins));
+  frustum.set_sides(begin, end, first, last, p.largest_origin);
   return frustum;
 }
 

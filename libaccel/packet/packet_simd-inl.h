@@ -54,6 +54,8 @@ struct alignas(64) Packet {
   int kx, ky, kz;             // as in Watertight::RayData
   float origin[3];            // of the first ray
   bool has_one_origin;        // of all rays, in its bits: the sign of a zero may be that of a hit
+  float largest_origin;       // of all coordinates, as magnitudes
+  float reach = kInfinity;    // of LocatedBounds, where any-hit queries ask for these
 
   HWY_INLINE const Ray& ray(std::uint32_t i) const { return rays[ids[i]]; }
 };
@@ -109,11 +111,13 @@ HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32
   p.kz = axis, p.kx = (axis + 1) % 3, p.ky = (axis + 2) % 3;
   for (int a = 0; a < 3; ++a) p.origin[a] = p.ray(0).org[a];
   Words differ = hn::Zero(kWords);
+  Floats largest_origin = hn::Zero(kFloats);
   for (std::uint32_t i = 0; i < p.lanes; i += width) {
     const RayLanes r = gather_lanes(rays, ids + i, size - i);
     for (int a = 0; a < 3; ++a) {
       hn::Store(r.org[a], kFloats, p.org[a] + i), hn::Store(r.dir[a], kFloats, p.dir[a] + i);
       hn::Store(hn::Div(set(1), r.dir[a]), kFloats, p.inv[a] + i);
+      largest_origin = most(hn::Abs(r.org[a]), largest_origin);
       differ = hn::Or(differ, hn::Xor(hn::BitCast(kWords, r.org[a]), hn::BitCast(kWords, set(p.origin[a]))));
     }
     hn::Store(hn::Div(load(p.dir[p.kx] + i), load(p.dir[p.kz] + i)), kFloats, p.shear[0] + i);
@@ -123,6 +127,7 @@ HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32
     hn::Store(hn::Set(kWords, kNoHit), kWords, p.prim_id + i);
   }
   p.has_one_origin = hn::AllTrue(kWords, hn::Eq(differ, hn::Zero(kWords)));
+  p.largest_origin = most_lane(largest_origin);
   for (std::uint32_t i = size; i < p.lanes; ++i) p.t_min[i] = kInfinity, p.t[i] = -kInfinity;
 }
 

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "libaccel/geometry/located_bounds.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/packet/packet_simd-inl.h"
 
@@ -40,8 +41,8 @@ HWY_INLINE void nearest_vertex(const PackedTriangle& triangle, const Floats org[
   }
 }
 
-// Of the plane, as Watertight::plane_distance() has it.
-HWY_INLINE void find_normal(const PackedTriangle& triangle, double normal[3]) {
+// Of the plane, as Watertight::plane_distance() has it. Returns the product of the 1-norms of two edges.
+HWY_INLINE double find_normal(const PackedTriangle& triangle, double normal[3]) {
   double e1[3], e2[3];
   for (int a = 0; a < 3; ++a) {
     const float* const v = triangle.axis[a].vertex;
@@ -51,6 +52,7 @@ HWY_INLINE void find_normal(const PackedTriangle& triangle, double normal[3]) {
   normal[0] = e1[1] * e2[2] - e1[2] * e2[1];
   normal[1] = e1[2] * e2[0] - e1[0] * e2[2];
   normal[2] = e1[0] * e2[1] - e1[1] * e2[0];
+  return (std::fabs(e1[0]) + std::fabs(e1[1]) + std::fabs(e1[2])) * (std::fabs(e2[0]) + std::fabs(e2[1]) + std::fabs(e2[2]));
 }
 
 // Rays for which an edge function is zero, by the test of single rays. Returns how many have been answered.
@@ -71,6 +73,16 @@ HWY_NOINLINE std::uint32_t intersect_singly(Packet& p, std::uint32_t first, Mask
     ++answered;
   }
   return answered;
+}
+
+// Of LocatedBounds, for all rays of the packet in a scene within `bounds`.
+HWY_INLINE float reach_of(const Packet& p, const Aabb& bounds) {
+  Floats least_dir = set(kInfinity), most_dir = hn::Zero(kFloats);
+  for (std::uint32_t i = 0; i < p.lanes; i += static_cast<std::uint32_t>(hn::Lanes(kFloats))) {
+    const Floats along = hn::Abs(load(p.dir[p.kz] + i));
+    least_dir = least(along, least_dir), most_dir = most(along, most_dir);
+  }
+  return LocatedBounds::reach(bounds, p.largest_origin, least_lane(least_dir), most_lane(most_dir));
 }
 
 // A triangle against groups of rays of a packet: what they share is computed once. kOneOrigin: all rays start at p.origin.
@@ -120,6 +132,7 @@ class GroupTest {
   struct Plane {
     double normal[3], above;
     float lowest, highest;
+    LocatedBounds bounds;
   };
 
   // Vertex k relative to the rays' origins.
@@ -131,12 +144,16 @@ class GroupTest {
   // Takes the hits of rays that are inside, on no edge, and meet nothing nearer. Returns how many there are.
   HWY_INLINE std::uint32_t accept(std::uint32_t i, Mask inside, Mask on_edge, const Projected& projected) {
     const Floats* const e = projected.edge;
-    const Floats det = hn::Add(hn::Add(e[0], e[1]), e[2]);
-    const Floats t = locate(i, inside, projected, det), best = load(p_.t + i);
+    const Floats det = hn::Add(hn::Add(e[0], e[1]), e[2]), best = load(p_.t + i);
     const Words prim_id = hn::Load(kWords, p_.prim_id + i), candidate = hn::Set(kWords, triangle_.prim_id());
-    const Mask is_lower = hn::RebindMask(kFloats, hn::Lt(candidate, prim_id));
-    Mask accepted = hn::And(hn::AndNot(on_edge, inside), hn::Ge(t, load(p_.t_min + i)));
-    accepted = hn::And(accepted, hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower)));
+    Mask accepted = hn::AndNot(on_edge, inside);
+    Floats t = best;
+    if (!decide(i, projected, accepted)) {
+      t = locate(i, inside, projected, det);
+      const Mask is_lower = hn::RebindMask(kFloats, hn::Lt(candidate, prim_id));
+      accepted = hn::And(accepted, hn::Ge(t, load(p_.t_min + i)));
+      accepted = hn::And(accepted, hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), is_lower)));
+    }
     if (hn::AllFalse(kFloats, accepted)) return 0;
     hn::Store(hn::IfThenElse(accepted, kQuery == Query::any ? set(-kInfinity) : t, best), kFloats, p_.t + i);
     hn::Store(hn::IfThenElse(hn::RebindMask(kWords, accepted), candidate, prim_id), kWords, p_.prim_id + i);
@@ -145,6 +162,51 @@ class GroupTest {
       hn::Store(hn::IfThenElse(accepted, hn::Div(e[2], det), load(p_.v + i)), kFloats, p_.v + i);
     }
     return static_cast<std::uint32_t>(hn::CountTrue(kFloats, accepted));
+  }
+
+  // Leaves the candidates that are hit, if bounds of t say so of all; or leaves them as they are, and returns false. Of closest
+  // hits t is wanted, and rays of one origin have it for little more.
+  HWY_INLINE bool decide(std::uint32_t i, const Projected& projected, Mask& candidates) {
+    if (kQuery != Query::any || kOneOrigin || p_.reach == kInfinity) return false;
+    const Interval t = bounds_of_t(i, projected);
+    const Floats begin = load(p_.t_min + i), end = load(p_.t + i);
+    const Mask hit = hn::And(hn::Ge(t.least, begin), hn::Le(t.most, end));
+    const Mask missed = hn::Or(hn::Lt(t.most, begin), hn::Gt(t.least, end));
+    if (!hn::AllFalse(kFloats, hn::AndNot(hn::Or(hit, missed), candidates))) return false;
+    candidates = hn::And(candidates, hit);
+    return true;
+  }
+
+  struct Interval {
+    Floats least, most;
+  };
+
+  // LocatedBounds::of() the rays from lane i on; a contracted sum has less of an error.
+  HWY_INLINE Interval bounds_of_t(std::uint32_t i, const Projected& projected) {
+    if (!has_plane_) find_plane();
+    const LocatedBounds& bounds = plane_.bounds;
+    Floats s = hn::Zero(kFloats), d = s, products = s;
+    for (int a = 0; a < 3; ++a) {
+      const Floats n = set(bounds.normal[a]);
+      const Floats product = hn::Mul(n, hn::Sub(set(triangle_.axis[a].vertex[0]), load(p_.org[a] + i)));
+      s = hn::Add(s, product), products = hn::Add(products, hn::Abs(product));
+      d = hn::MulAdd(n, load(p_.dir[a] + i), d);
+    }
+    const Floats dir_z = load(p_.dir[p_.kz] + i), inv_d = hn::Div(set(1), d), t = hn::Mul(s, inv_d);
+    const Floats depth = hn::Mul(s, hn::Mul(dir_z, inv_d));
+    Floats error = hn::MulAdd(products, set(LocatedBounds::kOfProducts), set(bounds.of_doubles));
+    error = hn::Mul(hn::MulAdd(hn::Abs(depth), set(bounds.of_depth), error), hn::Abs(inv_d));
+
+    const Floats inv = load(p_.inv[p_.kz] + i);
+    const Floats at[] = {hn::Mul(projected.z[0], inv), hn::Mul(projected.z[1], inv), hn::Mul(projected.z[2], inv)};
+    const Floats nearest = least(least(at[0], at[1]), at[2]), farthest = most(most(at[0], at[1]), at[2]);
+    const Floats largest = most(hn::Abs(nearest), hn::Abs(farthest));
+    const Floats slack = hn::MulAdd(largest, set(LocatedBounds::kOfVertices), set(LocatedBounds::kOfUnderflow));
+    const Floats lower = hn::Sub(t, error), upper = hn::Add(t, error);
+    Mask is_plane = hn::Ge(hn::Abs(d), hn::Mul(set(bounds.least_d), hn::Abs(dir_z)));
+    is_plane = hn::And(is_plane, hn::And(hn::Ge(hn::Sub(lower, slack), nearest), hn::Le(hn::Add(upper, slack), farthest)));
+    return {hn::IfThenElse(is_plane, lower, hn::Sub(nearest, slack)),
+            hn::IfThenElse(is_plane, upper, hn::Add(farthest, slack))};
   }
 
   // Watertight::locate(): t of the lanes of the mask.
@@ -170,8 +232,9 @@ class GroupTest {
   };
 
   HWY_INLINE void find_plane() {
-    find_normal(triangle_, plane_.normal);
+    const double edges = find_normal(triangle_, plane_.normal);
     has_plane_ = true;
+    if constexpr (kQuery == Query::any && !kOneOrigin) plane_.bounds = LocatedBounds(plane_.normal, edges, p_.reach);
     if constexpr (kOneOrigin) {
       Floats org[3], vertex[3];
       for (int a = 0; a < 3; ++a) org[a] = set(p_.origin[a]);
