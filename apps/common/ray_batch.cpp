@@ -74,7 +74,7 @@ Status RayMaker::make_primary() {
   if (primary_) return Done{};
   const auto camera = Camera::make(camera_, settings_->width, settings_->height);
   if (!camera) return camera.error();
-  auto rays = primary_rays(*camera, settings_->spp, settings_->common.seed);
+  auto rays = primary_rays(*camera, settings_->spp, settings_->common.seed, settings_->pixel_order);
   if (!rays) return rays.error();
   primary_ = *std::move(rays);
   return Done{};

@@ -42,7 +42,7 @@ constexpr const char* kExamples =
 // The command line as typed, before names are looked up.
 struct RawOptions {
   std::string methods = "best", rays, query, check = "embree", embree, sort, scaling, profile, schedule, device = "cpu",
-              heatmap_of = "steps";
+              heatmap_of = "steps", pixel_order = "rows";
 };
 
 struct ScheduleName {
@@ -98,13 +98,18 @@ void add_packet_options(CLI::App& app, PacketOptions& packets) {
       ->group("Measuring and checking");
 }
 
-void add_rays(CLI::App& app, TraceSettings& settings) {
+void add_rays(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   const auto add = [&](const char* flag, auto& value, const char* what, CLI::Validator valid) {
     app.add_option(flag, value, what)->check(std::move(valid))->capture_default_str()->type_name("N")->group("Rays");
   };
   add("--width", settings.width, "width of the picture, in pixels", whole_number(1, 65536));
   add("--height", settings.height, "height of the picture, in pixels", whole_number(1, 65536));
   add("--spp", settings.spp, "rays a pixel", whole_number(1, 65536));
+  app.add_option("--pixel-order", raw.pixel_order,
+                 "in which rays of pixels come: by rows, or along a z-curve, by tiles\nwithin tiles, as renderers trace them")
+      ->capture_default_str()
+      ->type_name("NAME")
+      ->group("Rays");
   app.add_option("--count", settings.count, "rays of kinds that have no pixels (random, edge) [width x height]")
       ->check(whole_number(1, kMaxRays))
       ->type_name("N")
@@ -320,6 +325,10 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   if (settings.sweep && std::find(settings.ray_kinds.begin(), settings.ray_kinds.end(), edge) == settings.ray_kinds.end())
     settings.ray_kinds.push_back(edge);
 
+  if (raw.pixel_order != "rows" && raw.pixel_order != "z-curve")
+    return unknown("--pixel-order", "order", raw.pixel_order, {"rows", "z-curve"});
+  if (raw.pixel_order == "z-curve") settings.pixel_order = PixelOrder::z_curve;
+
   if (!raw.query.empty() && raw.query != "closest" && raw.query != "any")
     return unknown("--query", "query", raw.query, {"closest", "any"});
   if (!raw.query.empty()) settings.query = raw.query == "any" ? Query::any : Query::closest;
@@ -407,6 +416,7 @@ Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings)
       {"--compact", settings.profile_multipass, "is about passes; add --profile multipass"},
       {"--heatmap-of", !settings.heatmap.empty() || !settings.report.empty(), "is about heat maps; add --heatmap or --report"},
       {"--count", any_rays(is_counted), "is about rays that have no pixels; put random or edge into --rays"},
+      {"--pixel-order", any_rays(has_pixels), "is about rays that have pixels, which none of --rays do"},
       {"--spp", any_rays(has_pixels) || !settings.image.empty(), "is about rays that have pixels, which none of --rays do"}};
   for (const auto& [flag, has_effect, message] : options)
     if (app.count(flag) > 0 && !has_effect) return usage(std::string(flag) + ": " + message);
@@ -456,7 +466,7 @@ Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   TraceSettings settings;
   RawOptions raw;
   add_what(app, settings, raw);
-  add_rays(app, settings);
+  add_rays(app, settings, raw);
   add_measuring(app, settings, raw);
   add_outputs(app, settings, raw);
   add_build_options(app, settings.build);

@@ -12,6 +12,7 @@
 #include "libaccel/exec/simt_profile.h"
 #include "libaccel/packet/packet_options.h"
 #include "libaccel/packet/ray_order.h"
+#include "libaccel/rays/ray_sets.h"
 
 namespace accel::apps {
 
@@ -32,6 +33,7 @@ struct TraceSettings {
   BuildOptions build;
 
   std::uint32_t width = 1024, height = 768, spp = 1;
+  PixelOrder pixel_order = PixelOrder::rows;
   std::uint64_t count = 0;  // 0: width * height
   int repeat = 5;
 

@@ -74,8 +74,9 @@ std::string scene_section(const TraceReport& report, const TraceSettings& settin
   text += box.empty() ? "  nothing that a ray can hit\n" : "  box " + vec_text(box.lo) + " to " + vec_text(box.hi) + "\n";
   text += "  camera " + (camera.name.empty() ? "" : "'" + camera.name + "' ") + "at " + vec_text(camera.eye) + " towards " +
           vec_text(camera.at) + ", vfov " + short_number(camera.vfov_degrees) + "\n";
-  text += print("  %u x %u pixels, %s a pixel, seed %llu, %s%s\n", settings.width, settings.height,
-                counted(settings.spp, "ray").c_str(), static_cast<unsigned long long>(settings.common.seed),
+  text += print("  %u x %u pixels%s, %s a pixel, seed %llu, %s%s\n", settings.width, settings.height,
+                settings.pixel_order == PixelOrder::z_curve ? " along a Z-curve" : "", counted(settings.spp, "ray").c_str(),
+                static_cast<unsigned long long>(settings.common.seed),
                 counted(static_cast<std::uint64_t>(report.threads), "thread").c_str(),
                 report.device == "cpu" ? "" : (", methods on " + report.device).c_str());
   return text + "  " + report.checked_by + "\n";

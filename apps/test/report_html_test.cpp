@@ -56,6 +56,7 @@ Json run(const std::string& scene = "folder/scene.obj") {
                   {"width", 10},
                   {"height", 10},
                   {"spp", 1},
+                  {"pixel_order", "z-curve"},
                   {"device", "cpu"},
                   {"check", "checked"},
                   {"witness", "Embree"},

@@ -58,6 +58,14 @@ TEST(TraceOptions, QueriesAreLookedUp) {
   expect_refused({"--query", "closst"}, "did you mean 'closest'?");
 }
 
+TEST(TraceOptions, OrdersOfPixelsAreLookedUp) {
+  const auto none = parse({"builtin:cornell"}), curve = parse({"--pixel-order", "z-curve"});
+  ASSERT_TRUE(none && curve);
+  EXPECT_EQ(none->pixel_order, PixelOrder::rows);
+  EXPECT_EQ(curve->pixel_order, PixelOrder::z_curve);
+  expect_refused({"--pixel-order", "zcurve"}, "did you mean 'z-curve'?");
+}
+
 TEST(TraceOptions, BadNumbersNameTheFlag) {
   for (const std::string flag : {"--width", "--height", "--spp", "--count", "--judge-limit"})
     for (const std::string bad : {"0", "-1", "1.5", "abc", "99999999999999999999", ""})
@@ -90,6 +98,8 @@ TEST(TraceOptions, OptionsWithoutEffectAreRefused) {
   expect_refused({"builtin:cornell", "--heatmap-of", "leaves"}, "--heatmap-of: is about heat maps");
   expect_refused({"builtin:cornell", "--count", "9"}, "--count: is about rays that have no pixels");
   expect_refused({"builtin:cornell", "--rays", "mine.npy,random", "--spp", "2"}, "--spp: is about rays that have pixels");
+  expect_refused({"builtin:cornell", "--rays", "edge", "--pixel-order", "rows"},
+                 "--pixel-order: is about rays that have pixels");
   EXPECT_TRUE(parse({"builtin:cornell", "--profile", "multipass", "--schedule", "drain", "--batch", "9", "--compact"}));
   EXPECT_TRUE(parse({"builtin:cornell", "--report", "-", "--heatmap-of", "leaves"}));
   EXPECT_TRUE(parse({"--count", "9", "--spp", "2"})) << "the demo has both kinds of rays";

@@ -541,6 +541,22 @@ test_pictures_are_deterministic() {
   cmp 1.png 3.png || fail "the picture depends on the number of threads"
 }
 
+test_pixel_order() {
+  needs_python
+  ordered() { expect 0 trace builtin:cornell --spp 2 --rays primary,shadow --check none --pixel-order "$@"; }
+  for order in rows z-curve; do
+    ordered $order --json $order.json
+    json $order.json 'j["context"]["pixel_order"] == "'$order'"'
+  done
+  json rows.json 'all(b[key] == c[key] for key in ("rays", "nodes_per_ray", "triangle_tests_per_ray")
+    for b, c in zip(j["benchmarks"], json.load(open("z-curve.json"))["benchmarks"], strict=True))'
+  ordered z-curve; says out "along a Z-curve"
+  usage_error trace --rays random --pixel-order z-curve; says err "--pixel-order"
+  has images || return 0
+  for order in rows z-curve; do ordered $order --heatmap $order.png; done
+  cmp rows.png z-curve.png || fail "the heat map depends on the order of its pixels"
+}
+
 test_simt_profile() {
   needs_python
   for schedule in while-while if-if speculative persistent; do
