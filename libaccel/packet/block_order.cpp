@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "libaccel/packet/frustums_simd.h"
+#include "libaccel/packet/pixel_rows.h"
 #include "libaccel/packet/serial_primitives.h"
 
 namespace accel {
@@ -22,6 +23,10 @@ std::size_t end_of_face(const std::uint8_t* faces, std::size_t first, std::size_
   for (std::uint64_t some; next + 8 <= end; next += 8) {
     std::memcpy(&some, faces + next, sizeof some);
     if (some != eight) break;
+  }
+  if (std::uint32_t four; next + 4 <= end) {
+    std::memcpy(&four, faces + next, sizeof four);
+    if (four == static_cast<std::uint32_t>(eight)) next += 4;
   }
   while (next < end && faces[next] == faces[first]) ++next;
   return next;
@@ -41,6 +46,52 @@ void for_each_piece(const std::uint8_t* faces, std::size_t n, std::size_t run, c
       body(first, next = end_of_face(faces, first, end));
 }
 
+// Tiles of 16 x 16 pixels, each of them 16 tiles of 4 x 4, which are what fits the widest vectors: lists the runs of kTileRun
+// rays, of n that come in rows. Whole tiles come first, as each of them is a packet then; what is left at the edges of the
+// block comes behind.
+constexpr std::size_t kTileRun = 4;
+
+class Tiles {
+ public:
+  Tiles(PixelRows rows, std::size_t n, std::vector<std::uint32_t>& runs)
+      : first_(static_cast<std::ptrdiff_t>(rows.first)),
+        length_(static_cast<std::ptrdiff_t>(rows.length)),
+        count_(static_cast<std::ptrdiff_t>(n)),
+        runs_(runs) {}
+
+  void list() {
+    runs_.clear();
+    const std::ptrdiff_t band = kTile * length_, whole = length_ / kTile * kTile,
+                         end = first_ + (count_ - first_) / band * band;
+    for (std::ptrdiff_t top = first_; top < end; top += band) list_rows(top, kTile, 0, whole);
+    for (std::ptrdiff_t top = first_; top < end; top += band) list_rows(top, kTile, whole, length_);
+    list_rows(end, (count_ - end + length_ - 1) / length_, 0, length_);
+    list_rows(first_ - length_, 1, 0, length_);
+  }
+
+ private:
+  static constexpr std::ptrdiff_t kRun = kTileRun, kTile = 16;
+
+  // Columns [begin, end) of so many rows, the first of which begins at ray `top`, before which there may be none.
+  void list_rows(std::ptrdiff_t top, std::ptrdiff_t height, std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t tile = begin; tile < end; tile += kTile)
+      for (std::ptrdiff_t y = 0; y < height; y += kRun)
+        list_strip(top + y * length_, std::min(kRun, height - y), tile, std::min(tile + kTile, end));
+  }
+  void list_strip(std::ptrdiff_t top, std::ptrdiff_t height, std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::ptrdiff_t x = begin; x < end; x += kRun)
+      for (std::ptrdiff_t y = 0; y < height; ++y) list_run(top + y * length_, x);
+  }
+  // The run that begins in column x of a row or next to it, if that is in the row.
+  void list_run(std::ptrdiff_t row, std::ptrdiff_t x) {
+    const std::ptrdiff_t first = (row + x + kRun * length_ + kRun - 1) / kRun * kRun - kRun * length_;
+    if (first >= 0 && first < std::min(row + length_, count_)) runs_.push_back(static_cast<std::uint32_t>(first / kRun));
+  }
+
+  std::ptrdiff_t first_, length_, count_;
+  std::vector<std::uint32_t>& runs_;
+};
+
 }  // namespace
 
 void BlockOrder::begin(std::span<const Ray> rays) {
@@ -51,6 +102,11 @@ void BlockOrder::begin(std::span<const Ray> rays) {
 
 void BlockOrder::sort(std::uint32_t run) {
   if (run == 0) return place_runs(kRunAsTheyCome, [](std::size_t r) { return r; });
+  constexpr float kScale = 0.004f;  // cells of the standard size in a diagonal
+  if (const PixelRows rows = find_rows(rays_, kScale * hash_.cells); rows.length > 0) {
+    Tiles(rows, rays_.size(), runs_).list();
+    return place_runs(kTileRun, [this](std::size_t r) { return runs_[r]; });
+  }
   sort_runs(run);
   place_runs(run, [this](std::size_t r) { return runs_[r]; });
 }
@@ -87,6 +143,7 @@ void BlockOrder::place_runs(std::size_t run, const RunAt& run_at) {
     std::uint32_t* const to = ids_.data() + places[faces[first]];
     places[faces[first]] += static_cast<std::uint32_t>(end - first);
     if (end - first == 8) return append<8>(first, to);
+    if (end - first == kTileRun) return append<kTileRun>(first, to);
     for (std::size_t id = first; id < end; ++id) to[id - first] = static_cast<std::uint32_t>(id);
   });
 }

@@ -4,7 +4,7 @@
 // [GL10] sorts runs of rays with equal hash values as one. Here a run has a given number of rays, whatever their values, and is
 // sorted by the value of the ray in its middle: a picture's rows are cut into short pieces, and pieces below each other make a
 // packet, for a fraction of what it costs to hash and to sort rays. Of the values, the highest kKeyBits count in which those of
-// a block differ.
+// a block differ. Where rows can be told (packet/pixel_rows.h), tiles of them are listed instead, without values or sorting.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ class BlockOrder {
 
   // Fewer than 2^32 rays, which are read by later calls too.
   void begin(std::span<const Ray> rays);
-  // By runs of so many rays, or as they come for 0.
+  // By tiles of pixels' rows, else by runs of so many rays; or as they come for 0.
   void sort(std::uint32_t run);
   // Drops all rays but those at the places [first, end) of the pairs, which ascend.
   void keep(std::span<const std::pair<std::uint32_t, std::uint32_t>> places);

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "libaccel/core/counter_rng.h"
+#include "libaccel/packet/pixel_rows.h"
+#include "libaccel/rays/ray_sets.h"
 #include "validation/stress/stress_rays.h"
 
 namespace accel {
@@ -70,6 +72,47 @@ TEST(BlockOrder, FacesThenRunsByTheHashValueOfTheirMiddle) {
       // Of runs with equal keys, and within a run, the first one first.
       const auto key = [&](std::uint32_t id) { return std::pair(value(id) >> unused, id); };
       expect_sorted(order, [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    }
+  }
+}
+
+std::vector<Ray> picture(std::uint32_t width, std::uint32_t height) {
+  const Camera camera = Camera::make({{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 20, ""}, width, height).value();
+  const RaySet set = primary_rays(camera).value();
+  return {set.rays.begin(), set.rays.end()};
+}
+
+TEST(BlockOrder, TilesWhereRaysComeByRowsOfPixels) {
+  constexpr std::uint32_t kWidth = 160, kHeight = 40;
+  const std::vector<Ray> rays = picture(kWidth, kHeight);
+  BlockOrder order(kBounds, kCellFraction);
+  order.begin(rays);
+  order.sort(8);
+  expect_block_of(rays, order);
+  const auto ids = order.ids();
+  const auto is_tile = [&](std::size_t first, std::size_t count, std::uint32_t size) {
+    for (std::size_t i = first; i < first + count; ++i)
+      if (ids[i] % kWidth / size != ids[first] % kWidth / size || ids[i] / kWidth / size != ids[first] / kWidth / size)
+        return false;
+    return true;
+  };
+  for (std::size_t first = 0; first < std::size_t{kWidth} * 32; first += 256) EXPECT_TRUE(is_tile(first, 256, 16)) << first;
+  for (std::size_t first = 0; first < ids.size(); first += 16) EXPECT_TRUE(is_tile(first, 16, 4)) << first;
+}
+
+// Rows that begin anywhere, at the beginning of a block and in memory, and that many faces share.
+TEST(BlockOrder, EveryRayOfAPictureIsThereOnce) {
+  for (const std::uint32_t width : {131u, 160u, 233u, 402u}) {
+    const Camera camera = Camera::make({{0, 0, 0}, {1, 0.3f, -1}, {0, 1, 0}, 12, ""}, width, 50).value();
+    const RaySet set = primary_rays(camera).value();
+    for (const std::uint32_t skipped : {0u, 1u, 6u, width - 1}) {
+      const std::vector<Ray> rays(set.rays.begin() + skipped, set.rays.end() - skipped / 2);
+      BlockOrder order(kBounds, kCellFraction);
+      order.begin(rays);
+      order.sort(8);
+      expect_block_of(rays, order);
+      EXPECT_EQ(find_rows(rays, 1).length, width);
+      EXPECT_NE(order.faces().front(), order.faces().back());
     }
   }
 }
