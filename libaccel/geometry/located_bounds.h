@@ -44,7 +44,7 @@ struct LocatedBounds {
 
   Vec3 normal;
   float of_doubles;  // in E_s
-  float of_depth;    // times the depth: in E_s, too
+  float of_depth;    // times the depth: what E_d and the rounding of t come to
   float least_d;     // times |dir_z|: from here on, E_d <= |d| / 8
 
   LocatedBounds() = default;

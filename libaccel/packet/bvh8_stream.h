@@ -1,8 +1,8 @@
 // Traces batches of rays through a Bvh8 in the way that is fastest for them: what people will use on a CPU.
 //
 // Rays that run nearly as the ones before, as those of a picture or to a light, go in packets (packet/bvh8_packets_simd.h), in
-// the order of packet/block_order.h: runs of eight rays are sorted along a curve where that makes narrower frustums, as for a
-// picture's rows. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). Rays that are alike need not
+// the order of packet/block_order.h where that makes narrower frustums: tiles of a picture's rows, or runs of eight rays along
+// a curve. All others, and those that make no packet, go by turns (trace/bvh8_simd.h). Rays that are alike need not
 // share their way, as those to triangles smaller than the distance between them: now and then some packets' rays are traced in
 // all ways, and the clock says which the others go in, and the next blocks. For any-hit queries these are three, since packets
 // may begin at either end.
