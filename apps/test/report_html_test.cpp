@@ -214,6 +214,13 @@ TEST(ReportHtml, CarriesItsJson) {
   EXPECT_EQ(Json::parse(page.substr(from, page.find("</script>", from) - from)), Json::parse(json));
 }
 
+TEST(ReportHtml, SaysInWhichOrderPixelsCame) {
+  Json json = run();
+  EXPECT_THAT(report_html(json.dump(), {}), HasSubstr("10 × 10 pixels along a Z-curve, 1 a pixel"));
+  json["context"]["pixel_order"] = "rows";
+  EXPECT_THAT(report_html(json.dump(), {}), HasSubstr("10 × 10 pixels, 1 a pixel"));
+}
+
 TEST(ReportHtml, HostileNamesStayText) {
   const std::string hostile = "\"><script>alert(1)</script><!--{{script}}";
   Json json = run(hostile), tame = run("tame.obj");
