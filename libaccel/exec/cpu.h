@@ -5,7 +5,6 @@
 #pragma once
 
 #include <tbb/blocked_range.h>
-#include <tbb/combinable.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -16,7 +15,6 @@
 #include "libaccel/core/threads.h"
 #include "libaccel/exec/batch_settings.h"
 #include "libaccel/exec/batch_traverser.h"
-#include "libaccel/exec/counters.h"
 #include "libaccel/exec/drive.h"
 
 namespace accel {
@@ -88,26 +86,6 @@ void trace_any(const typename Traverser::View& view, std::span<const Ray> rays, 
     NullObserver observer;
     for (std::size_t i = begin; i < end; ++i) store_answer(trace_ray<Traverser>(view, rays[i], observer), occluded[i]);
   });
-}
-
-// Traces and counts. values[i], when asked for (else empty), is one of the counters of rays[i].
-template <class Traverser>
-Counters count_rays(const typename Traverser::View& view, std::span<const Ray> rays, std::span<std::uint32_t> values,
-                    int threads, RayCounter counter = RayCounter::steps) {
-  tbb::combinable<Counters> sums;
-  for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    Counters& sum = sums.local();
-    for (std::size_t i = begin; i < end; ++i) {
-      CountingObserver observer;
-      trace_ray<Traverser>(view, rays[i], observer);
-      observer.counters.rays = 1;
-      sum += observer.counters;
-      if (!values.empty()) values[i] = static_cast<std::uint32_t>(value_of(observer.counters, counter));
-    }
-  });
-  Counters total;
-  sums.combine_each([&](const Counters& c) { total += c; });
-  return total;
 }
 
 }  // namespace accel

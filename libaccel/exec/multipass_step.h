@@ -22,22 +22,11 @@
 
 namespace accel {
 
-// Hears of leaves, and passes everything on.
-template <class Observer>
-struct LeafWatch {
-  Observer& observer;
+// The least that a step's observer has to remember: whether a leaf was reached since this was last set to false.
+struct LeafObserver : NullObserver {
   bool leaf_reached = false;
 
-  ACCEL_HD void load(Memory memory, const void* address, std::uint32_t bytes) { observer.load(memory, address, bytes); }
-  ACCEL_HD void store(Memory memory, const void* address, std::uint32_t bytes) { observer.store(memory, address, bytes); }
-  ACCEL_HD void node_step() { observer.node_step(); }
-  ACCEL_HD void leaf_visit(std::uint32_t leaf) {
-    leaf_reached = true;
-    observer.leaf_visit(leaf);
-  }
-  ACCEL_HD void box_tests(std::uint32_t n) { observer.box_tests(n); }
-  ACCEL_HD void triangle_test() { observer.triangle_test(); }
-  ACCEL_HD void backtrack() { observer.backtrack(); }
+  ACCEL_HD void leaf_visit(std::uint32_t) { leaf_reached = true; }
 };
 
 // Whether the kernel calls the traverser for a ray in this phase, rather than pass the ray on.
@@ -69,18 +58,18 @@ struct MultipassRay {
 template <MultipassKernel kKernel, class Traverser, class Observer>
 ACCEL_HD MultipassKernel multipass_step(const typename Traverser::View& view, const MultipassRay<Traverser>& r,
                                         Observer& observer) {
-  LeafWatch<Observer> watch{observer};
+  observer.leaf_reached = false;
   if constexpr (kKernel == MultipassKernel::initialize)
-    r.phase = Traverser::begin(view, r.ray, r.state, r.hit, watch);
+    r.phase = Traverser::begin(view, r.ray, r.state, r.hit, observer);
   else if constexpr (kKernel == MultipassKernel::down)
-    r.phase = Traverser::descend(view, r.ray, r.state, r.hit, watch);
+    r.phase = Traverser::descend(view, r.ray, r.state, r.hit, observer);
   else if constexpr (kKernel == MultipassKernel::intersect)
-    r.phase = Traverser::intersect(view, r.ray, r.state, r.hit, watch);
+    r.phase = Traverser::intersect(view, r.ray, r.state, r.hit, observer);
   else if constexpr (kKernel == MultipassKernel::up)
-    r.phase = Traverser::backtrack(view, r.ray, r.state, r.hit, watch);
+    r.phase = Traverser::backtrack(view, r.ray, r.state, r.hit, observer);
   else if (calls_traverser(kKernel, r.phase))
-    r.phase = Traverser::backtrack(view, r.ray, r.state, r.hit, watch);
-  const MultipassKernel next = kernel_after(kKernel, r.phase, watch.leaf_reached);
+    r.phase = Traverser::backtrack(view, r.ray, r.state, r.hit, observer);
+  const MultipassKernel next = kernel_after(kKernel, r.phase, observer.leaf_reached);
   if (next == MultipassKernel::finished) finish_hit(r.hit);
   return next;
 }

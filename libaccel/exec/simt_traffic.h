@@ -12,7 +12,6 @@
 // lines, lanes at different depths do not. Rays and hits: byte index * size in an array that starts at a line.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,31 +26,10 @@ class WarpRequests {
   static constexpr std::uint64_t kSectorBytes = 32, kSectorsPerLine = 4;
 
   // The n-th access of one lane to this class, with this direction.
-  void add(Memory memory, bool store, std::uint32_t n, std::uint64_t address, std::uint32_t bytes) {
-    Request& request = find(memory, store, n);
-    request.bytes += bytes;
-    const std::uint64_t last = (address + bytes - 1) / kSectorBytes;
-    for (std::uint64_t sector = address / kSectorBytes; sector <= last; ++sector) {
-      if (request.sectors.empty() || request.sectors.back() != sector) request.sectors.push_back(sector);
-    }
-  }
+  void add(Memory memory, bool store, std::uint32_t n, std::uint64_t address, std::uint32_t bytes);
 
   // Ends the step: its traffic is added to the profile.
-  void close(SimtProfile& profile) {
-    for (std::size_t i = 0; i < open_; ++i) {
-      Request& request = requests_[i];
-      SimtProfile::Traffic& traffic = profile.traffic[static_cast<int>(request.memory)];
-      std::sort(request.sectors.begin(), request.sectors.end());
-      const auto same_line = [](std::uint64_t a, std::uint64_t b) { return a / kSectorsPerLine == b / kSectorsPerLine; };
-      const auto sectors_end = std::unique(request.sectors.begin(), request.sectors.end());
-      traffic.requests += 1;
-      traffic.bytes += request.bytes;
-      traffic.sectors += static_cast<std::uint64_t>(sectors_end - request.sectors.begin());
-      traffic.lines +=
-          static_cast<std::uint64_t>(std::unique(request.sectors.begin(), sectors_end, same_line) - request.sectors.begin());
-    }
-    open_ = 0;
-  }
+  void close(SimtProfile& profile);
 
  private:
   struct Request {
@@ -63,17 +41,7 @@ class WarpRequests {
   };
 
   // A step has few requests, so a linear search finds them; their vectors are kept from step to step.
-  Request& find(Memory memory, bool store, std::uint32_t n) {
-    for (std::size_t i = 0; i < open_; ++i) {
-      Request& request = requests_[i];
-      if (request.memory == memory && request.store == store && request.n == n) return request;
-    }
-    if (open_ == requests_.size()) requests_.emplace_back();
-    Request& request = requests_[open_++];
-    request.memory = memory, request.store = store, request.n = n, request.bytes = 0;
-    request.sectors.clear();
-    return request;
-  }
+  Request& find(Memory memory, bool store, std::uint32_t n);
 
   std::vector<Request> requests_;  // the first open_ belong to this step
   std::size_t open_ = 0;
@@ -94,17 +62,7 @@ class LaneObserver {
   void backtrack() {}
 
  private:
-  void record(Memory memory, bool store, const void* pointer, std::uint32_t bytes) {
-    const std::uint32_t n = count_[store ? 1 : 0][static_cast<int>(memory)]++;
-    const auto address = reinterpret_cast<std::uintptr_t>(pointer);
-    const bool in_stack = address >= stack_ && address < stack_ + stack_bytes_;
-    if (!in_stack) return requests_.add(memory, store, n, address, bytes);
-    constexpr std::uint32_t kWord = 4;
-    const std::uint64_t first_word = (address - stack_) / kWord;
-    for (std::uint64_t word = first_word; word * kWord < address - stack_ + bytes; ++word) {
-      requests_.add(memory, store, n, (word * kWarpSize + static_cast<std::uint64_t>(lane_)) * kWord, kWord);
-    }
-  }
+  void record(Memory memory, bool store, const void* pointer, std::uint32_t bytes);
 
   WarpRequests& requests_;
   std::uintptr_t stack_;

@@ -10,6 +10,9 @@
 
 #include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/suggest.h"
+#include "libaccel/exec/count_rays.h"
+#include "libaccel/exec/multipass.h"
+#include "libaccel/exec/simt.h"
 #include "libaccel/registry/method_entry.h"
 #include "libaccel/registry/methods.h"
 
@@ -169,7 +172,7 @@ Result<AnyAccel::Tracer> AnyAccel::tracer(std::string_view test) const try {
 
 Result<AnyAccel::Tracer> AnyAccel::modelled_tracer(std::string_view test) const try {
   const auto found = tracer(test);
-  if (!found || found->entry->simt != nullptr) return found;
+  if (!found || found->entry->next_hits != nullptr) return found;
   std::string names;
   for (const std::string& name : modelled_tests()) names += (names.empty() ? "" : " and ") + name;
   return Error{"models of machines and queries for several hits have the tests " + names + ", not " + std::string(test)};
@@ -290,7 +293,7 @@ Result<Counters> AnyAccel::count(std::span<const Ray> rays, Query query, std::sp
   if (!test) return test.error();
   if (!values.empty())
     if (Status s = same_size(rays, values); !s) return s.error();
-  return test->entry->count(*test->structure, rays, query, values, options.threads, counter);
+  return count_rays(test->entry->traverser(*test->structure, query, Machine::cpu), rays, values, options.threads, counter);
 } catch (const std::bad_alloc&) {
   return out_of_memory("counting what rays cost");
 }
@@ -301,7 +304,8 @@ Result<SimtProfile> AnyAccel::profile_simt(std::span<const Ray> rays, Query quer
   if (!test) return test.error();
   if (!hits.empty())
     if (Status s = same_size(rays, hits); !s) return s.error();
-  return test->entry->simt(*test->structure, rays, query, hits, simt, options.threads);
+  // Models of machines are models of devices.
+  return simulate_simt(test->entry->traverser(*test->structure, query, Machine::device), rays, hits, simt, options.threads);
 } catch (const std::bad_alloc&) {
   return out_of_memory("tracing on the warp model");
 }
@@ -312,7 +316,8 @@ Result<MultipassProfile> AnyAccel::trace_multipass(std::span<const Ray> rays, Qu
   if (!test) return test.error();
   if (!hits.empty())
     if (Status s = same_size(rays, hits); !s) return s.error();
-  return test->entry->multipass(*test->structure, rays, query, hits, multipass, options.threads);
+  const AnyTraverser::View traverser = test->entry->traverser(*test->structure, query, Machine::device);
+  return accel::trace_multipass(traverser, rays, hits, multipass, options.threads);
 } catch (const std::bad_alloc&) {
   return out_of_memory("tracing in several passes");
 }

@@ -7,10 +7,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "libaccel/exec/any_traverser.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/exec/multi_hit.h"
-#include "libaccel/exec/multipass.h"
-#include "libaccel/exec/simt.h"
 #include "libaccel/registry/annotate.h"
 #include "libaccel/registry/method_entry.h"
 
@@ -55,13 +54,6 @@ struct TestFunctions {
   using Closest = typename Method::template Traverser<Test, Query::closest>;
   using Any = typename Method::template Traverser<Test, Query::any>;
 
-  // The same for one of the two queries. Models of machines are models of devices.
-  template <Machine kMachine, class Run>
-  static auto run_query(const AnyStructure& structure, Query query, const Run& run) {
-    return query == Query::closest ? run_on<Method, Closest, kMachine>(structure, run)
-                                   : run_on<Method, Any, kMachine>(structure, run);
-  }
-
   static AnyStructure prepare(const AnyStructure& s) {
     const auto& structure = *s.get_if<typename Method::Structure>();
     return with_transformed_triangles(structure, [](const PackedTriangle& t) { return Test::prepare_triangle(t); });
@@ -75,23 +67,16 @@ struct TestFunctions {
     run_on<Method, Any, Machine::cpu>(
         s, [&]<class T>(const auto& view, std::type_identity<T>) { trace_any<T>(view, rays, occluded, settings); });
   }
-  static Counters count(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<std::uint32_t> values,
-                        int threads, RayCounter counter) {
-    return run_query<Machine::cpu>(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
-      return count_rays<T>(view, rays, values, threads, counter);
-    });
+  template <Machine kMachine>
+  static AnyTraverser::View traverser_on(const AnyStructure& s, Query query) {
+    const auto any = []<class T>(const auto& view, std::type_identity<T>) { return any_view<T>(view); };
+    return query == Query::closest ? run_on<Method, Closest, kMachine>(s, any) : run_on<Method, Any, kMachine>(s, any);
   }
-  static SimtProfile simt(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
-                          const SimtOptions& options, int threads) {
-    return run_query<Machine::device>(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
-      return simulate_simt<T>(view, rays, hits, options, threads);
-    });
-  }
-  static MultipassProfile multipass(const AnyStructure& s, std::span<const Ray> rays, Query query, std::span<Hit> hits,
-                                    const MultipassOptions& options, int threads) {
-    return run_query<Machine::device>(s, query, [&]<class T>(const auto& view, std::type_identity<T>) {
-      return trace_multipass<T>(view, rays, hits, options, threads);
-    });
+  static AnyTraverser::View traverser(const AnyStructure& s, Query query, Machine machine) {
+    if constexpr (kIsModelled<Test>)
+      if (machine == Machine::device) return traverser_on<Machine::device>(s, query);
+    ACCEL_ASSERT(machine == Machine::cpu);
+    return traverser_on<Machine::cpu>(s, query);
   }
   // By the traverser that serves all structures: special ones gain little here, and each would be compiled once more.
   static void next_hits(const AnyStructure& s, std::span<const Ray> rays, std::span<const Hit> after, std::span<Hit> hits,
@@ -105,8 +90,8 @@ struct TestFunctions {
     if constexpr (can_hold<Method, Test>()) {
       entry.is_tuned = is_tuned<Closest>();
       if constexpr (PrecomputedTest<Test>) entry.prepare = prepare;
-      entry.closest = closest, entry.occluded = occluded, entry.count = count;
-      if constexpr (kIsModelled<Test>) entry.simt = simt, entry.multipass = multipass, entry.next_hits = next_hits;
+      entry.closest = closest, entry.occluded = occluded, entry.traverser = traverser;
+      if constexpr (kIsModelled<Test>) entry.next_hits = next_hits;
     }
     return entry;
   }

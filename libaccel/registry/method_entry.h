@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "libaccel/exec/any_traverser.h"
 #include "libaccel/exec/batch_settings.h"
 #include "libaccel/registry/any_accel.h"
 #include "libaccel/registry/method.h"
@@ -16,8 +17,7 @@
 namespace accel {
 
 // What a method can do with a structure, for one triangle test. One function pointer a query: no virtual calls inside. All are
-// null where the structure cannot hold what the test reads, and the last three for tests that are not modelled
-// (registry/method.h).
+// null where the structure cannot hold what the test reads, and the last for tests that are not modelled (registry/method.h).
 struct TestEntry {
   bool is_tuned;  // see exec/batch_traverser.h
 
@@ -25,10 +25,8 @@ struct TestEntry {
   AnyStructure (*prepare)(const AnyStructure&);
   void (*closest)(const AnyStructure&, std::span<const Ray>, std::span<Hit>, const BatchSettings&);
   void (*occluded)(const AnyStructure&, std::span<const Ray>, std::span<std::uint8_t>, const BatchSettings&);
-  Counters (*count)(const AnyStructure&, std::span<const Ray>, Query, std::span<std::uint32_t>, int threads, RayCounter);
-  SimtProfile (*simt)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const SimtOptions&, int threads);
-  MultipassProfile (*multipass)(const AnyStructure&, std::span<const Ray>, Query, std::span<Hit>, const MultipassOptions&,
-                                int threads);
+  // The traverser for what counts and models: the one that serves the structure best on the machine. Devices: if modelled.
+  AnyTraverser::View (*traverser)(const AnyStructure&, Query, Machine);
   // The nearest hits behind after[i]: see exec/multi_hit.h.
   void (*next_hits)(const AnyStructure&, std::span<const Ray>, std::span<const Hit> after, std::span<Hit>,
                     std::span<std::uint32_t> counts, int threads);

@@ -85,7 +85,7 @@ __global__ void __launch_bounds__(kBlockSize)
       attach_stack<Traverser>(streams.states[index], streams.stacks[index]);
     const Ray ray = streams.rays[index];
     const MultipassRay<Traverser> r{ray, streams.states[index], streams.hits[index], streams.phases[index]};
-    NullObserver observer;
+    LeafObserver observer;
     goes_to = multipass_step<kKernel, Traverser>(view, r, observer);
     if (goes_to == MultipassKernel::finished) finish(index, r.hit);
   }

@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <cstring>
-#include <numeric>
 #include <vector>
 
 #include "libaccel/build/triangle_list.h"
@@ -61,33 +60,6 @@ TEST_F(Cpu, AnyHitIffClosestHit) {
   std::vector<std::uint8_t> occluded(rays_.size(), 2);
   trace_any<Any>(list_.view(), rays_, occluded, 2);
   for (std::size_t i = 0; i < rays_.size(); ++i) EXPECT_EQ(occluded[i], hits[i].valid() ? 1 : 0) << i;
-}
-
-TEST_F(Cpu, CountersAreExactForAnyNumberOfThreads) {
-  const Counters one = count_rays<Closest>(list_.view(), rays_, {}, 1), four = count_rays<Closest>(list_.view(), rays_, {}, 4);
-  EXPECT_EQ(one.rays, rays_.size());
-  EXPECT_EQ(one.triangle_tests, rays_.size() * mesh_.size()) << "brute force tests every triangle";
-  EXPECT_EQ(one.node_steps, 0u);
-  EXPECT_EQ(std::memcmp(&one, &four, sizeof one), 0);
-}
-
-TEST_F(Cpu, StepsAddUp) {
-  std::vector<std::uint32_t> steps(rays_.size());
-  const Counters counters = count_rays<Any>(list_.view(), rays_, steps, 2);
-  std::uint64_t sum = 0;
-  for (const std::uint32_t s : steps) sum += s;
-  EXPECT_EQ(sum, counters.node_steps + counters.triangle_tests);
-  EXPECT_LT(counters.triangle_tests, rays_.size() * mesh_.size()) << "any hit stops at the first";
-}
-
-TEST_F(Cpu, EveryCounterOfSingleRaysAddsUp) {
-  std::vector<std::uint32_t> values(rays_.size());
-  for (int c = 0; c < kRayCounters; ++c) {
-    const auto counter = static_cast<RayCounter>(c);
-    const Counters counters = count_rays<Closest>(list_.view(), rays_, values, 2, counter);
-    EXPECT_EQ(std::accumulate(values.begin(), values.end(), std::uint64_t{0}), value_of(counters, counter))
-        << counter_name(counter);
-  }
 }
 
 }  // namespace

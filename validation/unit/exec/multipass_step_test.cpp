@@ -52,7 +52,7 @@ struct Scripted {
 
 template <Kernel kKernel>
 Kernel step(const Scripted::View& script, const MultipassRay<Scripted>& ray) {
-  NullObserver observer;
+  LeafObserver observer;
   return multipass_step<kKernel, Scripted>(script, ray, observer);
 }
 

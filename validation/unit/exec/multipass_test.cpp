@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "libaccel/exec/count_rays.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/any_accel.h"

@@ -7,6 +7,7 @@
 
 #include "libaccel/build/binned_sah.h"
 #include "libaccel/build/triangle_list.h"
+#include "libaccel/exec/count_rays.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/triangle_mesh.h"
 #include "libaccel/geometry/watertight.h"

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "libaccel/exec/counters.h"
+#include "libaccel/exec/drive.h"
 #include "libaccel/exec/simt.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/packet/depth_first.h"

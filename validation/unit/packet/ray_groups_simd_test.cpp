@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "libaccel/exec/count_rays.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/trace/bvh2_stack.h"

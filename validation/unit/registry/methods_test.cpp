@@ -9,6 +9,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "libaccel/exec/count_rays.h"
+#include "libaccel/exec/multipass.h"
+#include "libaccel/exec/simt.h"
 #include "libaccel/registry/instantiate_method.h"
 #include "libaccel/registry/structures.h"
 #include "validation/stress/stress_rays.h"
@@ -101,15 +104,17 @@ TEST(Methods, ANewTraverserIsOneTypeAndOneLine) {
   EXPECT_EQ(entry.info.name, "brute/backwards");
   const AnyStructure& list = brute->structure();
   ASSERT_TRUE(entry.check(list, entry.info));
-  for (const TestEntry& test : entry.tests) EXPECT_EQ(test.count(list, rays, Query::closest, {}, 1, {}).rays, rays.size());
+  for (const TestEntry& test : entry.tests)
+    EXPECT_EQ(count_rays(test.traverser(list, Query::closest, Machine::cpu), rays, {}, 1).rays, rays.size());
 
   const TestEntry& watertight = entry.tests[0];
   std::vector<Hit> hits(rays.size()), simulated(rays.size()), passed(rays.size());
   std::vector<std::uint8_t> occluded(rays.size());
   watertight.closest(list, rays, hits, 1);
   watertight.occluded(list, rays, occluded, 1);
-  watertight.simt(list, rays, Query::closest, simulated, {}, 1);
-  watertight.multipass(list, rays, Query::closest, passed, {}, 1);
+  const AnyTraverser::View traverser = watertight.traverser(list, Query::closest, Machine::device);
+  simulate_simt(traverser, rays, simulated, {}, 1);
+  trace_multipass(traverser, rays, passed, {}, 1);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     EXPECT_EQ(hits[i].prim_id, expected[i].prim_id) << i;
     EXPECT_EQ(hits[i].t, expected[i].t) << i;

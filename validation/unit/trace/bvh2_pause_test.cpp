@@ -12,6 +12,7 @@
 #include "libaccel/build/bvh2_extras.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/core/counter_rng.h"
+#include "libaccel/exec/counters.h"
 #include "libaccel/exec/multi_hit.h"
 #include "libaccel/exec/pause.h"
 #include "libaccel/geometry/moeller_trumbore.h"

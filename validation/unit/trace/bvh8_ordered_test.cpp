@@ -8,6 +8,7 @@
 #include "libaccel/build/collapse_wide.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/build/wide_sbvh.h"
+#include "libaccel/exec/count_rays.h"
 #include "libaccel/exec/counters.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/moeller_trumbore.h"
