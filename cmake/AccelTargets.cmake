@@ -47,6 +47,13 @@ endfunction()
 set(accel_common_headers <algorithm> <array> <chrono> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <sstream>
   <string> <vector> <tbb/blocked_range.h> <tbb/combinable.h> <tbb/parallel_for.h> <tbb/parallel_sort.h> <tbb/task_arena.h> <tbb/task_group.h>)
 
+# For the library and the tests of its vector code, in which each of Highway's targets is compiled for itself. Processors with SSSE3
+# and without SSE4, the last from 2007, run the scalar code. What ThreadSanitizer and fuzzing look for does not depend on the target.
+set(accel_highway_definitions "HWY_DISABLED_TARGETS=(HWY_SSSE3)")
+if(ACCEL_SANITIZE MATCHES "thread|fuzzer")
+  set(accel_highway_definitions "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3)")
+endif()
+
 # accel_library(<name> [sources...]): a static library with the alias accel::<name>.
 function(accel_library name)
   add_library(accel_${name} STATIC ${ARGN})
@@ -66,20 +73,17 @@ function(accel_cuda_settings target)
   target_link_libraries(${target} PRIVATE CUDA::cudart_static)
 endfunction()
 
-# accel_gtest(<source> LIBS <targets...> [PREFIX <prefix>]): one test program a source file; every TEST becomes a ctest entry.
-function(accel_gtest source)
-  cmake_parse_arguments(arg "" "PREFIX" "LIBS;LABELS" ${ARGN})
-  file(RELATIVE_PATH relative "${PROJECT_SOURCE_DIR}" "${source}")
-  string(REGEX REPLACE "^validation/|\\.(cpp|cu)$" "" name "${relative}")
-  string(REPLACE "/" "." name "${name}")
-  add_executable(${name} "${source}")
+# accel_gtest(<name> SOURCES <sources...> LIBS <targets...>): a test program; every TEST becomes a ctest entry.
+function(accel_gtest name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LIBS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
   accel_compile_settings(${name})
-  target_compile_definitions(${name} PRIVATE ACCEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_compile_definitions(${name} PRIVATE ACCEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ${accel_highway_definitions})
   target_link_libraries(${name} PRIVATE ${arg_LIBS} GTest::gtest_main GTest::gmock)
-  if(source MATCHES "\\.cu$")
+  if(arg_SOURCES MATCHES "\\.cu$")
     accel_cuda_settings(${name})
   else()
     accel_precompile(${name} tests <gmock/gmock.h> <gtest/gtest.h> ${accel_common_headers})
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS "${arg_LABELS}")
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
 endfunction()
