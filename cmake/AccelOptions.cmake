@@ -81,7 +81,7 @@ if(ACCEL_WITH_CUDA STREQUAL "OFF")
   accel_note(CUDA "off: ACCEL_WITH_CUDA=OFF")
 else()
   include(CheckLanguage)
-  if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
+  if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES AND NOT DEFINED ENV{CUDAARCHS})
     # Machine code for Hopper; every other machine since Turing compiles the PTX when a program starts.
     set(CMAKE_CUDA_ARCHITECTURES 75-virtual 90-real)
   endif()
