@@ -97,7 +97,7 @@ Json context_json(const TraceReport& report, const TraceSettings& settings) {
           {"width", settings.width},
           {"height", settings.height},
           {"spp", settings.spp},
-          {"pixel_order", settings.pixel_order == PixelOrder::rows ? "rows" : "z-curve"},
+          {"pixel_order", order_name(settings.pixel_order)},
           {"query", settings.query ? query_text(*settings.query) : ""},
           {"device", report.device},
           {"triangle_test", triangle_test_text(settings)},

@@ -42,7 +42,7 @@ constexpr const char* kExamples =
 // The command line as typed, before names are looked up.
 struct RawOptions {
   std::string methods = "best", rays, query, check = "embree", embree, sort, scaling, profile, schedule, device = "cpu",
-              heatmap_of = "steps", pixel_order = "rows";
+              heatmap_of = "steps", pixel_order = order_name(PixelOrder::rows);
 };
 
 struct ScheduleName {
@@ -308,6 +308,12 @@ Outcome<RayCounter> parse_counter(const std::string& name) {
   return static_cast<RayCounter>(found - known.begin());
 }
 
+Outcome<PixelOrder> parse_pixel_order(const std::string& name) {
+  for (const PixelOrder order : {PixelOrder::rows, PixelOrder::z_curve})
+    if (name == order_name(order)) return order;
+  return unknown("--pixel-order", "order", name, {order_name(PixelOrder::rows), order_name(PixelOrder::z_curve)});
+}
+
 // Looks names up and turns the raw options into settings.
 Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   auto methods = parse_methods(raw.methods);
@@ -325,9 +331,9 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
   if (settings.sweep && std::find(settings.ray_kinds.begin(), settings.ray_kinds.end(), edge) == settings.ray_kinds.end())
     settings.ray_kinds.push_back(edge);
 
-  if (raw.pixel_order != "rows" && raw.pixel_order != "z-curve")
-    return unknown("--pixel-order", "order", raw.pixel_order, {"rows", "z-curve"});
-  if (raw.pixel_order == "z-curve") settings.pixel_order = PixelOrder::z_curve;
+  const auto order = parse_pixel_order(raw.pixel_order);
+  if (!order) return order.failure();
+  settings.pixel_order = *order;
 
   if (!raw.query.empty() && raw.query != "closest" && raw.query != "any")
     return unknown("--query", "query", raw.query, {"closest", "any"});

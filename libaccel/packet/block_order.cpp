@@ -102,8 +102,7 @@ void BlockOrder::begin(std::span<const Ray> rays) {
 
 void BlockOrder::sort(std::uint32_t run) {
   if (run == 0) return place_runs(kRunAsTheyCome, [](std::size_t r) { return r; });
-  constexpr float kScale = 0.004f;  // cells of the standard size in a diagonal
-  if (const PixelRows rows = find_rows(rays_, kScale * hash_.cells); rows.length > 0) {
+  if (const PixelRows rows = find_rows(rays_, inv_diagonal_); rows.length > 0) {
     Tiles(rows, rays_.size(), runs_).list();
     return place_runs(kTileRun, [this](std::size_t r) { return runs_[r]; });
   }

@@ -27,7 +27,8 @@ class BlockOrder {
  public:
   static constexpr int kKeyBits = 24;
 
-  BlockOrder(const Aabb& bounds, float cell_fraction) : hash_(FineRayHash::make(bounds, cell_fraction)) {}
+  BlockOrder(const Aabb& bounds, float cell_fraction)
+      : hash_(FineRayHash::make(bounds, cell_fraction)), inv_diagonal_(FineRayHash::make(bounds, 1).cells) {}
 
   // Fewer than 2^32 rays, which are read by later calls too.
   void begin(std::span<const Ray> rays);
@@ -46,6 +47,7 @@ class BlockOrder {
   void place_runs(std::size_t run, const RunAt& run_at);
 
   FineRayHash hash_;
+  float inv_diagonal_;  // of the scene
   std::span<const Ray> rays_;
   std::vector<std::uint8_t> faces_by_ray_, faces_;
   std::vector<std::uint64_t> values_;  // of runs, as are keys_

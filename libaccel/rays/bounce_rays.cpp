@@ -10,8 +10,8 @@ namespace accel {
 namespace {
 
 Result<RaySet> bounce_rays(const PrimaryHits& from, float t_max, std::uint64_t seed) {
-  return rays_from_hits(from, 1, [&](const SurfacePoint& point, std::uint32_t source, std::uint32_t) {
-    CounterRng rng(seed, source);
+  return rays_from_hits(from, 1, [&](const SurfacePoint& point, std::uint64_t number, std::uint32_t) {
+    CounterRng rng(seed, number);
     return Ray{.org = point.org, .dir = cosine_direction(point.normal, rng).to_float(), .t_max = t_max};
   });
 }

@@ -4,9 +4,10 @@
 // own counter (libaccel/core/counter_rng.h), and sets are filled in parallel. Directions have unit length (to a few roundings),
 // so t is in scene units, except those of edge rays, which see.
 //
-// Rays come in an order that keeps neighbours together. Primary rays: by pixel, in rows or along a Z-curve, the samples of a
-// pixel side by side. Secondary rays: in the order of the primary rays that they start from; primary rays without a hit have no
-// secondary rays, so a secondary set may be smaller. `pixel` says for every ray which pixel of the picture it belongs to.
+// Rays come in an order that keeps neighbours together, on which no ray depends. Primary rays: by pixel, in rows or along a
+// Z-curve, the samples of a pixel side by side. Secondary rays: in the order of the primary rays that they start from; primary
+// rays without a hit have no secondary rays, so a secondary set may be smaller. `pixel` says for every ray which pixel of the
+// picture it belongs to.
 //
 // How secondary rays leave a surface without an epsilon: see offset_origin.h.
 //
@@ -33,11 +34,15 @@ inline constexpr std::uint64_t kMaxRays = 1ull << 32;
 struct RaySet {
   Buffer<Ray> rays;
   Buffer<std::uint32_t> pixel;  // y * width + x for every ray; empty for kinds that belong to no picture (random, edge)
+  std::uint32_t spp = 1;        // of whole pictures: rays a pixel, side by side
 
   std::size_t size() const { return rays.size(); }
 };
 
 enum class PixelOrder : std::uint8_t { rows, z_curve };
+
+// "rows", "z-curve"
+constexpr const char* order_name(PixelOrder order) { return order == PixelOrder::rows ? "rows" : "z-curve"; }
 
 // `spp` rays through every pixel: its centre when spp is 1, otherwise one random point in each of spp cells of equal area.
 Result<RaySet> primary_rays(const Camera& camera, std::uint32_t spp = 1, std::uint64_t seed = 1,

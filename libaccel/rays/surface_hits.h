@@ -11,7 +11,8 @@ namespace accel {
 // wanted for each, so that the size of the set can be checked.
 Result<Buffer<std::uint32_t>> rays_that_hit(const PrimaryHits& from, std::uint32_t per_hit);
 
-// make(surface point, number of the primary ray, which of its secondary rays) -> Ray, for per_hit rays from every hit.
+// make(surface point, number of the primary ray, which of its secondary rays) -> Ray, for per_hit rays from every hit. Rays are
+// numbered by rows of pixels, whatever the order in which they come.
 template <class Make>
 Result<RaySet> rays_from_hits(const PrimaryHits& from, std::uint32_t per_hit, const Make& make) {
   const auto sources = rays_that_hit(from, per_hit);
@@ -25,7 +26,8 @@ Result<RaySet> rays_from_hits(const PrimaryHits& from, std::uint32_t per_hit, co
     const Hit& hit = from.hits[source];
     const SurfacePoint point = offset_origin(from.triangles.triangle(hit.prim_id), hit, from.primary.rays[source].dir,
                                              from.triangles.position_error(hit.prim_id));
-    return make(point, source, static_cast<std::uint32_t>(i % per_hit));
+    const std::uint64_t spp = from.primary.spp, number = has_pixels ? from.primary.pixel[source] * spp + source % spp : source;
+    return make(point, number, static_cast<std::uint32_t>(i % per_hit));
   });
   return set;
 }

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <vector>
 
 #include "libaccel/core/vec3d.h"
 #include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/rays/default_light.h"
-#include "libaccel/rays/z_order.h"
 #include "libaccel/rays/offset_origin.h"
+#include "libaccel/rays/z_order.h"
 #include "scenes/procedural.h"
 #include "validation/unit/rays/brute_trace.h"
 
@@ -232,6 +234,30 @@ TEST(EdgeRays, HitTheBodyNearTheEdges) {
   }
   EXPECT_GT(at_target, hits.size() / 4);
   EXPECT_LE(silhouette, hits.size() / 50) << "only rays that graze the silhouette may miss";
+}
+
+TEST(SecondaryRays, DoNotDependOnTheOrderOfPixels) {
+  const TriangleMesh mesh = convex_body();
+  const Camera camera = camera_for(mesh, 64, 48);
+  const LightDescription light{{0, 50, 0}, {1, 0, 0}, {0, 0, 1}};
+  for (const RayKind kind : {RayKind::shadow, RayKind::soft_shadow, RayKind::diffuse, RayKind::ao}) {
+    // By pixel: the rays of each come in the same order.
+    std::map<std::uint32_t, std::vector<Ray>> rays_of[2];
+    for (const PixelOrder order : {PixelOrder::rows, PixelOrder::z_curve}) {
+      const RaySet primary = primary_rays(camera, 3, 9, order).value();
+      const std::vector<Hit> hits = brute_trace(mesh, primary.rays.span());
+      const RaySet set = secondary_rays(kind, {mesh, primary, hits}, light, 9).value();
+      for (std::size_t i = 0; i < set.size(); ++i) rays_of[static_cast<int>(order)][set.pixel[i]].push_back(set.rays[i]);
+    }
+    ASSERT_GT(rays_of[0].size(), 500u);
+    ASSERT_EQ(rays_of[0].size(), rays_of[1].size());
+    for (const auto& [pixel, rays] : rays_of[0]) {
+      const std::vector<Ray>& others = rays_of[1][pixel];
+      ASSERT_EQ(others.size(), rays.size());
+      EXPECT_EQ(std::memcmp(rays.data(), others.data(), rays.size() * sizeof(Ray)), 0)
+          << info(kind).name << ", pixel " << pixel;
+    }
+  }
 }
 
 TEST(EdgeRays, CopeWithMeshesOfNothing) {
