@@ -198,6 +198,9 @@ Outcome<std::string> parse_arguments(CLI::App& app, int argc, char** argv, Commo
   app.allow_extras();
   try {
     app.parse(argc, argv);
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string text = error.what();
+    return Failure(ExitStatus::usage, text.substr(0, text.find(": ")) + ": its value is missing; --help says what it takes");
   } catch (const CLI::ParseError& error) {
     return Failure(ExitStatus::usage, error.what());
   }

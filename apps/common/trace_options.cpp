@@ -81,7 +81,7 @@ void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
 void add_packet_options(CLI::App& app, PacketOptions& packets) {
   app.add_option("--cell-fraction", packets.cell_fraction,
                  "ray-hash, breadth-first, stream: cells of origins, as a share of\nthe scene's diagonal")
-      ->check(CLI::Range(2e-5f, 1.0f))
+      ->check(real_number(2e-5, 1))
       ->capture_default_str()
       ->type_name("X")
       ->group("Measuring and checking");
@@ -150,7 +150,7 @@ void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->group("Measuring and checking");
   app.add_option("--max-error", settings.max_error,
                  "sweeps: recommend the fastest with at most so many wrong hits per\nmillion [what is promised to have none]")
-      ->check(CLI::NonNegativeNumber)
+      ->check(real_number(0, 1e6))
       ->type_name("X")
       ->group("Measuring and checking");
   app.add_option("--scaling", raw.scaling,

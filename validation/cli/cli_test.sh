@@ -155,7 +155,7 @@ test_scaling() {
 test_sweep_usage() {
   usage_error trace builtin:cornell --max-error 5; says err "add --sweep"
   usage_error trace builtin:cornell --sweep --check none; says err "measures errors"
-  usage_error trace builtin:cornell --sweep --max-error -1
+  usage_error trace builtin:cornell --sweep --max-error -1; says err "should be a number from 0 to 1000000"
 }
 
 # Methods that are known to lose hits are for those who name them.
@@ -195,7 +195,8 @@ test_usage_errors() {
   usage_error trace --embree fast,packets; says err "did you mean"
   usage_error trace builtin:stadum; says err "did you mean 'stadium'?"
   usage_error trace --sort ray-hsah; says err "did you mean 'ray-hash'?"
-  usage_error trace --cell-fraction 0
+  usage_error trace --cell-fraction 0; says err "should be a number from"
+  usage_error trace --spp; says err "--spp: its value is missing"
   usage_error trace --profile cuda; says err simt
   usage_error trace --schedule sometimes; says err while-while; says err delany
   usage_error trace --profile simt,multipas; says err "did you mean 'multipass'?"
