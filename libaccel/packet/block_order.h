@@ -43,8 +43,8 @@ class BlockOrder {
 
  private:
   void sort_runs(std::uint32_t run);
-  template <class RunAt>
-  void place_runs(std::size_t run, const RunAt& run_at);
+  template <class ForEachRun>
+  void place_runs(std::size_t run, const ForEachRun& for_each_run);
 
   FineRayHash hash_;
   float inv_diagonal_;  // of the scene
