@@ -4,7 +4,8 @@
 // traces a single ray, and have trace(rays, answers): see packet/packet_tracer.h. What concerns single rays is the traverser's
 // own, and batches of fewer than Batch::kFewestRays are traced ray by ray. A thread gets Options::block_size rays at a time,
 // or, where there is such a function, as many as Batch::rays_per_task(rays, options) says. A batch whose code is for some
-// triangle tests, and which serves others by the way, says so: `kIsTuned` is false for those.
+// triangle tests, and which serves others by the way, says so: `kIsTuned` is false for those. One that has code for a ray alone
+// has a static trace_one(view, ray, answer).
 #pragma once
 
 #include "libaccel/core/hit.h"

@@ -64,6 +64,17 @@ void trace_batch(const typename Traverser::View& view, std::span<const Ray> rays
       rays_per_task);
 }
 
+// One ray, for little more than its traversal takes.
+template <class Traverser, class Answer>
+void trace_one(const typename Traverser::View& view, const Ray& ray, Answer& answer) {
+  if constexpr (BatchTraverser<Traverser>) {
+    using Batch = typename Traverser::template Batch<detail::TraceSingly>;
+    if constexpr (requires { Batch::trace_one(view, ray, answer); }) return Batch::trace_one(view, ray, answer);
+  }
+  NullObserver observer;
+  store_answer(trace_ray<Traverser>(view, ray, observer), answer);
+}
+
 // hits[i] is what rays[i] meets first. Both spans have the same size.
 template <class Traverser>
 void trace_closest(const typename Traverser::View& view, std::span<const Ray> rays, std::span<Hit> hits,

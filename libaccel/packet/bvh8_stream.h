@@ -116,6 +116,10 @@ class Bvh8StreamBatch {
   Bvh8StreamBatch(const Bvh8View& view, const Options& options, const TraceSingly& trace_singly)
       : view_(view), options_(options), trace_singly_(trace_singly) {}
 
+  static void trace_one(const Bvh8View& view, const Ray& ray, Answer& answer) requires(kIsTuned) {
+    ByTurns::trace_one(view, ray, answer);
+  }
+
   void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
     if (has_packets(rays))
       Bvh8StreamTracer<Answer>(view_, options_, options_.plan).trace(rays, answers);

@@ -124,11 +124,13 @@ struct AnyAccel::Tracer {
 };
 
 struct AnyAccel::State {
-  State(AnyStructure s, BuildReport r, const MethodEntry& e) : structure(std::move(s)), report(std::move(r)), entry(&e) {}
+  State(AnyStructure s, BuildReport r, const MethodEntry& e)
+      : structure(std::move(s)), report(std::move(r)), entry(&e), single_rays(e.single_rays(structure)) {}
 
   AnyStructure structure;
   BuildReport report;
   const MethodEntry* entry;
+  SingleRays single_rays;
 
   // What tests read that precompute something, made when rays are first traced with them.
   struct Prepared {
@@ -236,19 +238,8 @@ Status AnyAccel::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occ
   return out_of_memory("tracing a batch; trace fewer rays at once, or on fewer threads");
 }
 
-// Batches of one: what that costs beside a function for single rays is too little to compile every traverser once more. Their
-// settings lie in memory for good: written for each ray they would be read too soon, before a store can be forwarded.
-static const BatchSettings kOneThread = 1;
-Hit AnyAccel::closest(const Ray& ray) const {
-  Hit hit;
-  state_->entry->tests[0].closest(state_->structure, {&ray, 1}, {&hit, 1}, kOneThread);
-  return hit;
-}
-bool AnyAccel::occluded(const Ray& ray) const {
-  std::uint8_t occluded = 0;
-  state_->entry->tests[0].occluded(state_->structure, {&ray, 1}, {&occluded, 1}, kOneThread);
-  return occluded != 0;
-}
+Hit AnyAccel::closest(const Ray& ray) const { return state_->single_rays.closest(state_->single_rays.view.get(), ray); }
+bool AnyAccel::occluded(const Ray& ray) const { return state_->single_rays.occluded(state_->single_rays.view.get(), ray); }
 
 Status AnyAccel::k_nearest(std::span<const Ray> rays, std::size_t k, std::span<Hit> hits, std::span<std::uint32_t> counts,
                            const TraceOptions& options) const try {

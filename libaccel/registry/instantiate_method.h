@@ -122,6 +122,30 @@ Status annotate_structure(AnyStructure& any, const MethodInfo& info, BuildReport
   return status;
 }
 
+template <class Traverser>
+Hit closest_of(const void* view, const Ray& ray) {
+  Hit hit;
+  trace_one<Traverser>(*static_cast<const typename Traverser::View*>(view), ray, hit);
+  return hit;
+}
+template <class Traverser>
+bool is_occluded(const void* view, const Ray& ray) {
+  std::uint8_t occluded = 0;
+  trace_one<Traverser>(*static_cast<const typename Traverser::View*>(view), ray, occluded);
+  return occluded != 0;
+}
+
+template <class Method>
+SingleRays single_rays(const AnyStructure& structure) {
+  using Functions = TestFunctions<Method, Watertight>;
+  auto view = view_of<Method>(structure);
+  return {std::make_shared<decltype(view)>(view),
+          run_on<Method, typename Functions::Closest, Machine::cpu>(
+              structure, []<class T>(const auto&, std::type_identity<T>) { return &closest_of<T>; }),
+          run_on<Method, typename Functions::Any, Machine::cpu>(
+              structure, []<class T>(const auto&, std::type_identity<T>) { return &is_occluded<T>; })};
+}
+
 template <class Method, class Scene>
 Result<AnyAccel> build_method(const Scene& scene, const MethodInfo& info, const BuildOptions& options) {
   auto built = build_for<Method>(scene, options);
@@ -140,6 +164,7 @@ MethodEntry make_method_entry() {
   entry.build_instances = detail::build_method<Method, InstancedMeshes>;
   entry.check = detail::check_structure<Method>;
   entry.annotate = detail::annotate_structure<Method>;
+  entry.single_rays = detail::single_rays<Method>;
   std::size_t i = 0;
   TriangleTests::for_each(
       [&](auto test) { entry.tests[i++] = detail::TestFunctions<Method, typename decltype(test)::type>::entry(); });

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "libaccel/exec/any_traverser.h"
@@ -32,12 +33,20 @@ struct TestEntry {
                     std::span<std::uint32_t> counts, int threads);
 };
 
+// What traces single rays, with the default test: functions of the view that they come with.
+struct SingleRays {
+  std::shared_ptr<const void> view;
+  Hit (*closest)(const void* view, const Ray&);
+  bool (*occluded)(const void* view, const Ray&);
+};
+
 struct MethodEntry {
   MethodInfo info;
   Result<AnyAccel> (*build)(const TriangleMesh&, const MethodInfo&, const BuildOptions&);
   Result<AnyAccel> (*build_instances)(const InstancedMeshes&, const MethodInfo&, const BuildOptions&);
   Status (*check)(const AnyStructure&, const MethodInfo&);             // may the traverser trace this structure?
   Status (*annotate)(AnyStructure&, const MethodInfo&, BuildReport&);  // adds what the traverser reads and the structure lacks
+  SingleRays (*single_rays)(const AnyStructure&);                      // may throw std::bad_alloc
   std::array<TestEntry, TriangleTests::size> tests;
 };
 
