@@ -37,7 +37,7 @@ class Bvh8Batch {
       : view_(view), trace_singly_(trace_singly) {}
 
   static void trace_one(const Bvh8ViewOf<Node>& view, const Ray& ray, Answer& answer) requires(kIsTuned) {
-    // Looked up once: it takes a tenth of the time of a ray that is stopped soon.
+    // The machine's code, looked up once and not for each ray.
     static const Bvh8Functions<Node> functions = Bvh8Simd<Node, Slabs, Test>::functions();
     if constexpr (kQuery == Query::closest)
       functions.closest(view, &ray, 1, &answer);
