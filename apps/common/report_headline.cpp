@@ -179,7 +179,8 @@ std::string facts_html(const ReportData& data) {
          fact("Triangles", count_text(number("triangles")) + ", loaded in " + seconds_text(number("load_seconds"))) +
          fact("Rays", rays_text(data)) + fact("Query", asked_of_all(data)) +
          fact("Picture", print("%.0f × %.0f pixels%s, %.0f a pixel", number("width"), number("height"),
-                               data.context_text("pixel_order") == order_name(PixelOrder::z_curve) ? " along a Z-curve" : "", number("spp"))) +
+                               data.context_text("pixel_order") == order_name(PixelOrder::z_curve) ? " along a Z-curve" : "",
+                               number("spp"))) +
          fact("Camera", camera_text(data.context()["camera"])) + fact("Triangle test", data.have_tests() ? "" : test) +
          fact("Timed runs", count_text(number("repeat")) + " of each method, in turns") +
          fact("Seed", count_text(number("seed"))) + fact("Machine", machine_text(data)) +
