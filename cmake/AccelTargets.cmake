@@ -60,7 +60,12 @@ function(accel_library name)
   add_library(accel::${name} ALIAS accel_${name})
   set_target_properties(accel_${name} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME accel_${name})
   accel_compile_settings(accel_${name})
-  accel_precompile(accel_${name} libraries ${accel_common_headers})
+  # What is compiled with macros of Highway's package is of no use to those who lack them.
+  set(kind libraries)
+  if(name MATCHES "^(accel|cuda)$")
+    set(kind core)
+  endif()
+  accel_precompile(accel_${name} ${kind} ${accel_common_headers})
 endfunction()
 
 # What CUDA sources are compiled with, beside the above. No contraction, on either side: the predicates need every rounding
