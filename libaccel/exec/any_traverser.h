@@ -16,25 +16,24 @@
 namespace accel {
 
 // Sees all that any executor asks for, so that a traverser is compiled for one observer and not for each.
-struct StepObserver {
-  Counters counters;
+struct StepObserver : CountingObserver {
   std::uint64_t bytes_stored[kMemoryClasses] = {};  // those of counters.bytes that were not loaded
   bool leaf_reached = false;                        // since it was last set to false
   LaneObserver* lane = nullptr;                     // hears of loads and stores, too
 
   void load(Memory memory, const void* address, std::uint32_t bytes) {
-    counters.bytes[static_cast<int>(memory)] += bytes;
+    CountingObserver::load(memory, address, bytes);
     if (lane != nullptr) lane->load(memory, address, bytes);
   }
   void store(Memory memory, const void* address, std::uint32_t bytes) {
-    counters.bytes[static_cast<int>(memory)] += bytes, bytes_stored[static_cast<int>(memory)] += bytes;
+    CountingObserver::store(memory, address, bytes);
+    bytes_stored[static_cast<int>(memory)] += bytes;
     if (lane != nullptr) lane->store(memory, address, bytes);
   }
-  void node_step() { ++counters.node_steps; }
-  void leaf_visit(std::uint32_t) { ++counters.leaf_visits, leaf_reached = true; }
-  void box_tests(std::uint32_t n) { counters.box_tests += n; }
-  void triangle_test() { ++counters.triangle_tests; }
-  void backtrack() { ++counters.backtracks; }
+  void leaf_visit(std::uint32_t leaf) {
+    CountingObserver::leaf_visit(leaf);
+    leaf_reached = true;
+  }
 };
 
 // A traverser (trace/traverser.h) whose view says which one it is.

@@ -161,7 +161,8 @@ class SimtWarp {
       Lane& lane = lanes_[l];
       if (!takes_part(lane)) continue;
       LaneObserver requests(requests_, lane.state.stack, view_.stack_bytes, l);
-      StepObserver observer{.lane = &requests};
+      StepObserver observer;
+      observer.lane = &requests;
       run(lane, observer);
       ++active;
     }

@@ -96,9 +96,13 @@ class Placer {
   using Places = std::array<std::uint32_t, kNoFace + 1>;
 
   Placer(const std::uint8_t* faces, std::size_t n, std::size_t run, const Places& places, std::uint32_t* ids)
-      : faces_(faces), n_(n), run_(run), mask_(run >= 8 ? ~0ull : (1ull << 8 * run) - 1), places_(places), ids_(ids) {
-    set_face(0);
-  }
+      : faces_(faces),
+        n_(n),
+        run_(run),
+        mask_(run >= 8 ? ~0ull : (1ull << 8 * run) - 1),
+        places_(places),
+        ids_(ids),
+        to_(ids + places[0]) {}
 
   // The rays of a run. Most have the face of the run before.
   void place(std::size_t r) {
@@ -120,17 +124,17 @@ class Placer {
 
  private:
   void set_face(std::uint8_t face) {
-    if (to_ != nullptr) places_[face_] = static_cast<std::uint32_t>(to_ - ids_);
+    places_[face_] = static_cast<std::uint32_t>(to_ - ids_);
     face_ = face, expected_ = face * 0x0101010101010101ull, to_ = ids_ + places_[face];
   }
 
   const std::uint8_t* faces_;
   std::size_t n_, run_;
-  std::uint64_t mask_, expected_ = 0;
+  std::uint64_t mask_, expected_ = 0;  // of a run's bytes in faces_: those that count, and those of the face
   Places places_;
   std::uint32_t* const ids_;
-  std::uint32_t* to_ = nullptr;  // where the next ray of the face goes
-  std::uint8_t face_ = 0;
+  std::uint32_t* to_;      // where the next ray of the face goes
+  std::uint8_t face_ = 0;  // of the run before
 };
 
 }  // namespace

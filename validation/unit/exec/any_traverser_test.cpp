@@ -121,7 +121,8 @@ TEST(AnyTraverser, LanesHearOfLoadsAndStores) {
   AnyStates states(any, 1);
   WarpRequests requests;
   LaneObserver lane(requests, states[0].stack, any.stack_bytes, 0);
-  StepObserver observer{.lane = &lane};
+  StepObserver observer;
+  observer.lane = &lane;
   const Ray ray{.org = {}, .dir = {0, 0, 1}};
   Hit hit;
   AnyTraverser::begin(any, ray, states[0], hit, observer);

@@ -6,11 +6,9 @@
 #include <cstring>
 #include <vector>
 
-#include "libaccel/build/triangle_list.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/trace/brute_force.h"
-#include "validation/stress/stress_rays.h"
-#include "validation/stress/stress_scenes.h"
+#include "validation/unit/exec/list_and_rays.h"
 
 namespace accel {
 namespace {
@@ -18,23 +16,13 @@ namespace {
 using Closest = BruteForce<Watertight, Query::closest>;
 using Any = BruteForce<Watertight, Query::any>;
 
-class Cpu : public testing::Test {
+class Cpu : public ListAndRays {
  protected:
-  Cpu() : mesh_(validation::mesh_of(validation::random_triangles(50, 0.5f, 1))), rays_(validation::stress_rays(mesh_, 10'000)) {
-    auto built = ListBuilder::build(mesh_, {});
-    EXPECT_TRUE(built) << built.message();
-    list_ = std::move(built->structure);
-  }
-
   std::vector<Hit> closest(int threads) const {
     std::vector<Hit> hits(rays_.size());
     trace_closest<Closest>(list_.view(), rays_, hits, threads);
     return hits;
   }
-
-  TriangleMesh mesh_;
-  std::vector<Ray> rays_;
-  TriangleList list_;
 };
 
 TEST(ForEachBlock, CoversEveryIndexOnce) {
