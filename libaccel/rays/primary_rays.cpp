@@ -17,7 +17,7 @@ Result<RaySet> primary_rays(const Camera& camera, std::uint32_t spp, std::uint64
 
   const Buffer<std::uint32_t> z_curve =
       order == PixelOrder::z_curve ? z_order_pixels(camera.width(), camera.height()) : Buffer<std::uint32_t>();
-  RaySet set{Buffer<Ray>(pixels * spp), Buffer<std::uint32_t>(pixels * spp), spp};
+  RaySet set{Buffer<Ray>(pixels * spp), Buffer<std::uint32_t>(pixels * spp)};
   fill(set.pixel.span(),
        [&](std::size_t i) { return order == PixelOrder::z_curve ? z_curve[i / spp] : static_cast<std::uint32_t>(i / spp); });
   fill(set.rays.span(), [&](std::size_t i) {

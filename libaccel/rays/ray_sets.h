@@ -34,7 +34,6 @@ inline constexpr std::uint64_t kMaxRays = 1ull << 32;
 struct RaySet {
   Buffer<Ray> rays;
   Buffer<std::uint32_t> pixel;  // y * width + x for every ray; empty for kinds that belong to no picture (random, edge)
-  std::uint32_t spp = 1;        // of whole pictures: rays a pixel, side by side
 
   std::size_t size() const { return rays.size(); }
 };

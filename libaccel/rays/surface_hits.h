@@ -11,8 +11,16 @@ namespace accel {
 // wanted for each, so that the size of the set can be checked.
 Result<Buffer<std::uint32_t>> rays_that_hit(const PrimaryHits& from, std::uint32_t per_hit);
 
-// make(surface point, number of the primary ray, which of its secondary rays) -> Ray, for per_hit rays from every hit. Rays are
-// numbered by rows of pixels, whatever the order in which they come.
+// A number that no other ray of the set has, and that does not depend on the order of pixels: which pixel, and which of its
+// rays, which are side by side.
+inline std::uint64_t ray_number(const RaySet& set, std::uint64_t ray) {
+  if (set.pixel.empty()) return ray;
+  std::uint64_t before = 0;
+  while (before < ray && set.pixel[ray - before - 1] == set.pixel[ray]) ++before;
+  return before << 32 | set.pixel[ray];
+}
+
+// make(surface point, ray_number() of the primary ray, which of its secondary rays) -> Ray, for per_hit rays from every hit.
 template <class Make>
 Result<RaySet> rays_from_hits(const PrimaryHits& from, std::uint32_t per_hit, const Make& make) {
   const auto sources = rays_that_hit(from, per_hit);
@@ -26,8 +34,7 @@ Result<RaySet> rays_from_hits(const PrimaryHits& from, std::uint32_t per_hit, co
     const Hit& hit = from.hits[source];
     const SurfacePoint point = offset_origin(from.triangles.triangle(hit.prim_id), hit, from.primary.rays[source].dir,
                                              from.triangles.position_error(hit.prim_id));
-    const std::uint64_t spp = from.primary.spp, number = has_pixels ? from.primary.pixel[source] * spp + source % spp : source;
-    return make(point, number, static_cast<std::uint32_t>(i % per_hit));
+    return make(point, ray_number(from.primary, source), static_cast<std::uint32_t>(i % per_hit));
   });
   return set;
 }

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "libaccel/core/vec3d.h"
@@ -257,6 +259,22 @@ TEST(SecondaryRays, DoNotDependOnTheOrderOfPixels) {
       EXPECT_EQ(std::memcmp(rays.data(), others.data(), rays.size() * sizeof(Ray)), 0)
           << info(kind).name << ", pixel " << pixel;
     }
+  }
+}
+
+// Of several samples, and of rays that start from secondary ones.
+TEST(SecondaryRays, EachDrawsItsOwnSample) {
+  const TriangleMesh mesh = make_builtin("cornell").value().mesh;
+  const RaySet primary = primary_rays(camera_for(mesh, 32, 24), 4, 9, PixelOrder::z_curve).value();
+  const std::vector<Hit> hits = brute_trace(mesh, primary.rays.span());
+  const RaySet first = diffuse_rays({mesh, primary, hits}, 9).value();
+  const std::vector<Hit> next_hits = brute_trace(mesh, first.rays.span());
+  const RaySet second = diffuse_rays({mesh, first, next_hits}, 9).value();
+  for (const RaySet* set : {&first, &second}) {
+    ASSERT_GT(set->size(), 500u);
+    std::set<std::pair<float, float>> directions;
+    for (const Ray& ray : set->rays) directions.emplace(ray.dir.x, ray.dir.y);
+    EXPECT_GT(directions.size(), set->size() * 99 / 100);
   }
 }
 
