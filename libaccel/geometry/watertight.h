@@ -76,6 +76,17 @@ struct Watertight {
     return project(triangle, data, projection) && locate(triangle, ray, data, projection, hit);
   }
 
+  // The vertex whose largest difference of a coordinate is the smallest; the first of equals. Without branches, which no one
+  // could predict.
+  ACCEL_HD static int nearest_vertex(const PackedTriangle& triangle, Vec3 org) {
+    const PackedTriangle::Quad x = triangle.coordinate(0), y = triangle.coordinate(1), z = triangle.coordinate(2);
+    float d[3];
+    for (int i = 0; i < 3; ++i)
+      d[i] = max_of(max_of(magnitude(x.vertex[i] - org.x), magnitude(y.vertex[i] - org.y)), magnitude(z.vertex[i] - org.z));
+    const int of_two = d[1] < d[0] ? 1 : 0;
+    return d[2] < min_of(d[1], d[0]) ? 2 : of_two;
+  }
+
  private:
   // Projects the triangle along the ray. Returns whether it contains the ray.
   ACCEL_HD static bool project(const PackedTriangle& triangle, const RayData& ray, Projection& p) {
@@ -134,17 +145,6 @@ struct Watertight {
     }
     const double nx = e1[1] * e2[2] - e1[2] * e2[1], ny = e1[2] * e2[0] - e1[0] * e2[2], nz = e1[0] * e2[1] - e1[1] * e2[0];
     return (nx * s[0] + ny * s[1] + nz * s[2]) / (nx * ray.dir.x + ny * ray.dir.y + nz * ray.dir.z);
-  }
-
-  // The vertex whose largest difference of a coordinate is the smallest; the first of equals. Without branches, which no one
-  // could predict.
-  ACCEL_HD static int nearest_vertex(const PackedTriangle& triangle, Vec3 org) {
-    const PackedTriangle::Quad x = triangle.coordinate(0), y = triangle.coordinate(1), z = triangle.coordinate(2);
-    float d[3];
-    for (int i = 0; i < 3; ++i)
-      d[i] = max_of(max_of(magnitude(x.vertex[i] - org.x), magnitude(y.vertex[i] - org.y)), magnitude(z.vertex[i] - org.z));
-    const int of_two = d[1] < d[0] ? 1 : 0;
-    return d[2] < min_of(d[1], d[0]) ? 2 : of_two;
   }
 };
 

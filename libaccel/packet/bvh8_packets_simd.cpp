@@ -8,11 +8,13 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <memory>
 
 #include "libaccel/packet/bvh8_packets_simd.h"
 #include "libaccel/packet/frustum_boxes_simd-inl.h"
 #include "libaccel/packet/frustum_simd-inl.h"
 #include "libaccel/packet/packet_simd-inl.h"
+#include "libaccel/packet/pencil_simd-inl.h"
 #include "libaccel/packet/watertight_simd-inl.h"
 #include "libaccel/trace/bvh8_ray.h"
 #include "libaccel/trace/bvh8_simd.h"
@@ -22,11 +24,7 @@ namespace accel {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Groups of a packet are the bits of a word.
-using GroupBits = std::uint64_t;
-constexpr std::uint32_t kMostGroups = 64;
-
-HWY_INLINE std::uint32_t width() { return static_cast<std::uint32_t>(hn::Lanes(kFloats)); }
+HWY_INLINE std::uint32_t first_of(GroupBits groups) { return static_cast<std::uint32_t>(std::countr_zero(groups)); }
 
 // How a packet goes through the tree.
 struct Way {
@@ -105,14 +103,9 @@ struct Active {
     }
     return active;
   }
-  // body(group), in ascending order.
-  template <class Body>
-  static HWY_INLINE void for_each(GroupBits groups, const Body& body) {
-    for (; groups != 0; groups &= groups - 1) body(static_cast<std::uint32_t>(std::countr_zero(groups)));
-  }
 };
 
-// A child whose box the frustum meets, and the groups that reached its parent.
+// A child, and the groups at its parent that may meet its box.
 struct Postponed {
   NodeRef node;
   std::uint32_t child;
@@ -123,29 +116,52 @@ struct Postponed {
 template <Share kShare>
 HWY_INLINE bool enter(const Postponed& to, const Bvh8Node& node, const Packet& p, Way way, Active& active) {
   const ChildPlanes<kShare> child(p, node, to.child, way.octant);
-  active.groups = 0;
-  Active::for_each(to.groups, [&](std::uint32_t g) HWY_ATTR {
+  GroupBits groups = 0;
+  for (GroupBits rest = to.groups; rest != 0; rest &= rest - 1) {
+    const std::uint32_t g = first_of(rest);
     const Mask entered = enter_child(p, way, g * width(), child);
     hn::StoreMaskBits(kFloats, entered, active.rays[g]);
-    active.groups |= static_cast<GroupBits>(!hn::AllFalse(kFloats, entered)) << g;
-  });
-  return active.groups != 0;
+    groups |= static_cast<GroupBits>(!hn::AllFalse(kFloats, entered)) << g;
+  }
+  active.groups = groups;
+  return groups != 0;
 }
 
 // Returns how many new answers there are.
+template <Query kQuery, class Triangle>
+HWY_INLINE std::uint32_t intersect_triangle(const Triangle& triangle, const Active& active, Packet& p) {
+  std::uint32_t answered = 0;
+  GroupTest<kQuery, Triangle> test(p, triangle);
+  for (GroupBits rest = active.groups; rest != 0; rest &= rest - 1) {
+    const std::uint32_t g = first_of(rest);
+    answered += test.intersect(g * width(), hn::LoadMaskBits(kFloats, active.rays[g]));
+  }
+  return answered;
+}
+
+template <Query kQuery, Share kShare>
+HWY_INLINE std::uint32_t intersect_block(const TriangleBlock& block, const Active& active, Packet& p) {
+  std::uint32_t answered = 0;
+  if constexpr (kShare == Share::way_and_origin) {
+    const RelativeVertices vertices(block, p.origin);
+    for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane)
+      answered += intersect_triangle<kQuery>(RelativeTriangle{block, vertices, lane}, active, p);
+  } else {
+    for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane) {
+      const PackedTriangle triangle = block.packed(lane);
+      answered += intersect_triangle<kQuery>(LoneTriangle{triangle}, active, p);
+    }
+  }
+  return answered;
+}
+
 template <Query kQuery, Share kShare>
 HWY_INLINE std::uint32_t intersect_leaf(const TriangleBlock* blocks, NodeRef leaf, const Active& active, Packet& p) {
   std::uint32_t answered = 0;
   const TriangleBlock* block = blocks + first_block(leaf);
   const std::uint32_t count = counted_blocks(leaf);
   for (std::uint32_t b = 0; count != 0 ? b < count : block->has(0); ++b, ++block)
-    for (std::uint32_t lane = 0; lane < kBlockLanes && block->has(lane); ++lane) {
-      const PackedTriangle triangle = block->packed(lane);
-      GroupTest<kQuery, kShare == Share::way_and_origin> test(p, triangle);
-      Active::for_each(active.groups, [&](std::uint32_t g) HWY_ATTR {
-        answered += test.intersect(g * width(), hn::LoadMaskBits(kFloats, active.rays[g]));
-      });
-    }
+    answered += intersect_block<kQuery, kShare>(*block, active, p);
   return answered;
 }
 
@@ -165,70 +181,169 @@ struct Occluder {
   HWY_INLINE bool is_promising(const Packet& p) const { return 4 * stopped >= p.size; }
 };
 
-template <Query kQuery, Share kShare>
-HWY_INLINE void trace_packet(const Bvh8View& view, const Frustum& frustum, Way way, Packet& p, Occluder& occluder) {
+// A packet on its way.
+struct Flight {
+  Packet packet;
+  Frustum frustum;
+  Pencil pencil;  // of Share::way_and_origin
+  Way way;
+  Share share;
+  NodeRef ref;  // what comes next: the occluder, a node or a leaf
+  bool is_at_occluder;
+  Active active;           // at `ref`
+  std::uint32_t answered;  // rays
+  std::size_t size;        // of the stack
   Postponed stack[bvh8_stack_size(kMostBvh8Depth)];
-  std::size_t size = 0;
-  bool is_at_occluder = kQuery == Query::any && occluder.is_promising(p);
-  NodeRef ref = is_at_occluder ? occluder.leaf : view.root;
-  occluder.stopped = 0;
-  Active active = Active::all(p);
-  std::uint32_t answered = 0;
-  for (;;) {
-    if (!is_leaf(ref)) {
-      const Bvh8Node& node = view.nodes[ref];
-      const std::uint32_t met = boxes_met(node, frustum);
-      for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
-        const std::uint32_t c = node.ordered(i ^ way.reversal, way.octant);
-        stack[size] = {ref, c, active.groups};
-        size += met >> c & 1u;
-        if ((met >> c & 1u) != 0) fetch(view, node.child[c]);
-      }
+
+  HWY_INLINE Share shared() const {
+    if (way.mixed != 0) return Share::nothing;
+    return packet.has_one_origin ? Share::way_and_origin : Share::way;
+  }
+};
+
+// Pushes the children of a node, the nearest last, and begins to fetch them.
+template <Share kShare>
+HWY_INLINE void push_children(const Bvh8View& view, Flight& f) {
+  const Bvh8Node& node = view.nodes[f.ref];
+  const GroupBits here = f.active.groups;
+  ChildSlopes slopes;
+  std::uint32_t met;
+  if constexpr (kShare == Share::way_and_origin)
+    met = f.pencil.project(node, slopes);
+  else
+    met = boxes_met(node, f.frustum);
+  for (std::uint32_t rest = met; rest != 0; rest &= rest - 1) fetch(view, node.child[std::countr_zero(rest)]);
+  std::size_t size = f.size;
+  for (std::uint32_t i = 0; i < kBvh8Arity; ++i) {
+    const std::uint32_t c = node.ordered(i ^ f.way.reversal, f.way.octant);
+    if constexpr (kShare == Share::way_and_origin) {
+      if ((met >> c & 1u) == 0) continue;
+      const GroupBits groups = f.pencil.groups_that_meet(slopes, c, here);
+      f.stack[size] = {f.ref, c, groups};
+      size += groups != 0 ? 1 : 0;
     } else {
-      const std::uint32_t more = intersect_leaf<kQuery, kShare>(view.blocks, ref, active, p);
+      f.stack[size] = {f.ref, c, here};
+      size += met >> c & 1u;
+    }
+  }
+  f.size = size;
+}
+
+// To where memory is waited for: the next node's children. Returns false at the end.
+template <Query kQuery, Share kShare>
+HWY_NOINLINE bool go_on(const Bvh8View& view, Flight& f, Occluder& occluder) {
+  for (;;) {
+    const bool is_node = !is_leaf(f.ref);
+    if (is_node) {
+      push_children<kShare>(view, f);
+    } else {
+      const std::uint32_t more = intersect_leaf<kQuery, kShare>(view.blocks, f.ref, f.active, f.packet);
       if constexpr (kQuery == Query::any) {
-        if (more > occluder.stopped) occluder = {ref, more};
-        answered += more;
-        if (answered == p.size) return;
-        if (is_at_occluder) {
-          is_at_occluder = false, ref = view.root, active = Active::all(p);
+        if (more > occluder.stopped) occluder = {f.ref, more};
+        f.answered += more;
+        if (f.answered == f.packet.size) return false;
+        if (f.is_at_occluder) {
+          f.is_at_occluder = false, f.ref = view.root, f.active = Active::all(f.packet);
           continue;
         }
       }
     }
     const Bvh8Node* parent;
     do {
-      if (size == 0) return;
-      parent = view.nodes + stack[--size].node;
-    } while (!enter<kShare>(stack[size], *parent, p, way, active));
-    ref = parent->child[stack[size].child];
+      if (f.size == 0) return false;
+      parent = view.nodes + f.stack[--f.size].node;
+    } while (!enter<kShare>(f.stack[f.size], *parent, f.packet, f.way, f.active));
+    f.ref = parent->child[f.stack[f.size].child];
+    if (is_node) return true;
   }
 }
+
+// Packets on their way at a time: while memory answers one, others go on. Few, for each has some 20 KB of rays. Of any-hit
+// queries one, since the next one begins with the leaf that has stopped it.
+template <Query kQuery>
+constexpr std::uint32_t kPacketsInTurn = kQuery == Query::closest ? 4 : 1;
+
+// The packets of a batch, by turns.
+template <Query kQuery, class Answer>
+class Flights {
+ public:
+  HWY_INLINE Flights(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, bool from_far_end,
+                     Answer* answers)
+      : view_(view),
+        batch_(batch),
+        faces_(faces),
+        bounds_(bounds_of_children(view.nodes[view.root])),
+        from_far_end_(from_far_end),
+        answers_(answers) {}
+
+  HWY_INLINE void trace() {
+    constexpr std::uint32_t kMost = kPacketsInTurn<kQuery>;
+    const auto flights = std::make_unique_for_overwrite<Flight[]>(kMost);  // too large for some stacks
+    std::uint32_t count = 0;
+    while (count < kMost && begin(flights[count])) ++count;
+    Flight* in_turn[kMost];
+    for (std::uint32_t i = 0; i < count; ++i) in_turn[i] = &flights[i];
+    while (count > 0)
+      for (std::uint32_t i = 0; i < count;) {
+        Flight& f = *in_turn[i];
+        if (HWY_LIKELY(go_on(f))) {
+          ++i;
+        } else {
+          store_answers(f.packet, answers_);
+          if (!begin(f)) in_turn[i] = in_turn[--count];
+        }
+      }
+  }
+
+ private:
+  // The batch's next packet, or part of a packet of more than kMostGroups. Returns false if there is none.
+  HWY_INLINE bool begin(Flight& f) {
+    if (next_ == batch_.count) return false;
+    const std::uint32_t packet = batch_.active[next_], first = batch_.packets[packet] + taken_;
+    const std::uint32_t left = batch_.packets[packet + 1] - first,
+                        size = std::min({left, kMostGroups * width(), kMaxPacketSize});
+    taken_ = size < left ? taken_ + size : 0, next_ += size < left ? 0 : 1;
+
+    load_rays(batch_.rays, batch_.ids + first, size, faces_[first] >> 1, f.packet);
+    if constexpr (kQuery == Query::any) f.packet.reach = reach_of(f.packet, bounds_);
+    f.frustum = frustum_of(f.packet, faces_[first], bounds_);
+    f.way = way_of(f.packet, f.frustum.signs, from_far_end_);
+    f.share = f.shared();
+    if (f.share == Share::way_and_origin) f.pencil.begin(f.packet, f.frustum);
+    f.is_at_occluder = kQuery == Query::any && occluder_.is_promising(f.packet);
+    f.ref = f.is_at_occluder ? occluder_.leaf : view_.root;
+    occluder_.stopped = 0;
+    f.active = Active::all(f.packet);
+    f.answered = 0, f.size = 0;
+    return true;
+  }
+
+  HWY_INLINE bool go_on(Flight& f) {
+    switch (f.share) {
+      case Share::nothing:
+        return HWY_NAMESPACE::go_on<kQuery, Share::nothing>(view_, f, occluder_);
+      case Share::way:
+        return HWY_NAMESPACE::go_on<kQuery, Share::way>(view_, f, occluder_);
+      default:
+        return HWY_NAMESPACE::go_on<kQuery, Share::way_and_origin>(view_, f, occluder_);
+    }
+  }
+
+  const Bvh8View& view_;
+  const LocalizedBatch& batch_;
+  const std::uint8_t* faces_;
+  Aabb bounds_;
+  bool from_far_end_;
+  Answer* answers_;
+  std::size_t next_ = 0;     // of the batch's active packets
+  std::uint32_t taken_ = 0;  // of its rays
+  Occluder occluder_;
+};
 
 template <Query kQuery, class Answer>
 HWY_INLINE void trace_packets(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, bool from_far_end,
                               Answer* answers) {
-  Packet packet;
-  const Aabb bounds = bounds_of_children(view.nodes[view.root]);
-  const std::uint32_t most = std::min(kMostGroups * width(), kMaxPacketSize);
-  Occluder occluder;
-  for (std::size_t i = 0; i < batch.count; ++i) {
-    const std::uint32_t end = batch.packets[batch.active[i] + 1];
-    for (std::uint32_t first = batch.packets[batch.active[i]], size; first < end; first += size) {
-      size = std::min(end - first, most);
-      load_rays(batch.rays, batch.ids + first, size, faces[first] >> 1, packet);
-      if constexpr (kQuery == Query::any) packet.reach = reach_of(packet, bounds);
-      const Frustum frustum = frustum_of(packet, faces[first], bounds);
-      const Way way = way_of(packet, frustum.signs, from_far_end);
-      if (way.mixed != 0)
-        trace_packet<kQuery, Share::nothing>(view, frustum, way, packet, occluder);
-      else if (packet.has_one_origin)
-        trace_packet<kQuery, Share::way_and_origin>(view, frustum, way, packet, occluder);
-      else
-        trace_packet<kQuery, Share::way>(view, frustum, way, packet, occluder);
-      for (std::uint32_t r = 0; r < size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
-    }
-  }
+  Flights<kQuery, Answer>(view, batch, faces, from_far_end, answers).trace();
 }
 
 void intersect(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits) {

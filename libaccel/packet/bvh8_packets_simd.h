@@ -8,11 +8,15 @@
 // groups that are left.
 //
 // What the rays of a packet have in common is not computed for each. Where they start at one point, as those of a camera,
-// planes of boxes and vertices are moved there once for all of them, and so is the distance of a triangle's plane; where they
-// run the same way along an axis, no ray chooses which planes are near.
+// planes of boxes and vertices are moved there once for all of them, and so is the distance of a triangle's plane; and boxes
+// are seen from there by groups (packet/pencil_simd-inl.h), so that those ask a box that may meet it. Where rays run the same
+// way along an axis, none chooses which planes are near.
 //
-// Any-hit queries begin with the leaf that has stopped most rays of the packet before, if that was a quarter of them. Its box is
-// not asked: the part of a wall that a spatial split has left in that leaf names the whole wall.
+// Some packets are on their way at a time, by turns, as single rays are (trace/bvh8_simd.h): after a node, whose children are
+// not here yet, the next packet goes on.
+//
+// Any-hit queries begin with the leaf that has stopped most rays of the packet before, if that was a quarter of them. Its box
+// is not asked: the part of a wall that a spatial split has left in that leaf names the whole wall.
 //
 // The box test of a ray is that of trace/bvh8_ray.h, so that a ray meets the triangles that it meets by itself, in another
 // order, and has the same hit bit for bit.
@@ -27,7 +31,7 @@ namespace accel {
 
 // answers[i] answers rays[i] for all rays of active packets; nothing else is written. faces[k] is the face of ray ids[k], the
 // same for all rays of a packet. The tree has a node and is no deeper than kMostBvh8Depth. Of the batch, only rays and packets
-// are read.
+// are read. May throw std::bad_alloc.
 void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits);
 //
 // Any-hit queries may begin at the far end: what is around a light is in the way of many rays, or of none.

@@ -112,7 +112,7 @@ HWY_INLINE std::uint32_t intersect_leaf(const LocalizedBatch& batch, const Frust
   std::uint32_t answered = 0;
   if (group_count == 0) return answered;
   for (std::uint32_t quad = leaf_quad(node.child[c]); !is_end_of_leaf(batch.leaves, quad); quad += kQuadsPerTriangle) {
-    GroupTest<kQuery> triangle(p, packed_triangle(batch.leaves, quad));
+    GroupTest<kQuery, LoneTriangle> triangle(p, {packed_triangle(batch.leaves, quad)});
     for (std::uint32_t g = 0; g < group_count; ++g) {
       const Mask mask = hn::LoadMaskBits(kFloats, groups[g].bits);
       const std::uint32_t hits = triangle.intersect(groups[g].first, mask);
@@ -137,7 +137,7 @@ HWY_INLINE void intersect_packets(const LocalizedBatch& batch, Answer* answers) 
       answered += intersect_leaf<kQuery>(batch, frustum, leaf_quad(batch.places[at]), packet, groups);
       if (kQuery == Query::any && answered == packet.size) break;
     }
-    for (std::uint32_t r = 0; r < packet.size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
+    store_answers(packet, answers);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -26,18 +27,35 @@ using Floats = decltype(hn::Zero(kFloats));
 using Words = decltype(hn::Zero(kWords));
 using Mask = decltype(hn::Eq(hn::Zero(kFloats), hn::Zero(kFloats)));
 
+HWY_INLINE std::uint32_t width() { return static_cast<std::uint32_t>(hn::Lanes(kFloats)); }
 HWY_INLINE Floats set(float x) { return hn::Set(kFloats, x); }
 HWY_INLINE Floats load(const float* from) { return hn::Load(kFloats, from); }
 // min_of(), max_of(): the second where one is NaN. What x86 does.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_ARCH_X86
-HWY_INLINE Floats least(Floats a, Floats b) { return hn::Min(a, b); }
-HWY_INLINE Floats most(Floats a, Floats b) { return hn::Max(a, b); }
+template <class V>
+HWY_INLINE V least(V a, V b) {
+  return hn::Min(a, b);
+}
+template <class V>
+HWY_INLINE V most(V a, V b) {
+  return hn::Max(a, b);
+}
 #else
-HWY_INLINE Floats least(Floats a, Floats b) { return hn::IfThenElse(hn::Lt(a, b), a, b); }
-HWY_INLINE Floats most(Floats a, Floats b) { return hn::IfThenElse(hn::Gt(a, b), a, b); }
+template <class V>
+HWY_INLINE V least(V a, V b) {
+  return hn::IfThenElse(hn::Lt(a, b), a, b);
+}
+template <class V>
+HWY_INLINE V most(V a, V b) {
+  return hn::IfThenElse(hn::Gt(a, b), a, b);
+}
 #endif
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// Groups of a packet, a vector of rays each, are the bits of a word.
+using GroupBits = std::uint64_t;
+constexpr std::uint32_t kMostGroups = 64;
 
 // The rays of a packet and what they have hit. Lanes without a ray, and rays that have their answer, have t = -infinity and
 // enter nothing.
@@ -89,30 +107,32 @@ HWY_INLINE RayLanes load_lanes(const Ray* lower, const Ray* upper) {
   return r;
 }
 
+// Whether each half of a vector's rays is a run, one after the other in memory.
+HWY_INLINE bool are_runs(const std::uint32_t* ids) {
+  const std::uint32_t half = (width() + 1) / 2;
+  const Words lane = hn::Iota(kWords, 0);
+  const Words expected = hn::IfThenElse(hn::Lt(lane, hn::Set(kWords, half)), hn::Set(kWords, ids[0]),
+                                        hn::Set(kWords, ids[width() / 2] - width() / 2));
+  return hn::AllTrue(kWords, hn::Eq(hn::Sub(hn::LoadU(kWords, ids), lane), expected));
+}
+
 // The rays of the next lanes, of which there are `left` more; the last one fills lanes without a ray. Rays that come in runs
 // need no copy.
 HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* ids, std::uint32_t left) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats)), half = (width + 1) / 2;
-  if (left >= width) {
-    const Words lane = hn::Iota(kWords, 0), is_run = hn::Sub(hn::LoadU(kWords, ids), lane);
-    const Words expected = hn::IfThenElse(hn::Lt(lane, hn::Set(kWords, half)), hn::Set(kWords, ids[0]),
-                                          hn::Set(kWords, ids[width / 2] - width / 2));
-    if (HWY_LIKELY(hn::AllTrue(kWords, hn::Eq(is_run, expected)))) return load_lanes(rays + ids[0], rays + ids[width / 2]);
-  }
+  if (left >= width() && HWY_LIKELY(are_runs(ids))) return load_lanes(rays + ids[0], rays + ids[width() / 2]);
   Ray copies[16];
-  for (std::uint32_t i = 0; i < width; ++i) copies[i] = rays[ids[i < left ? i : left - 1]];
-  return load_lanes(copies, copies + width / 2);
+  for (std::uint32_t i = 0; i < width(); ++i) copies[i] = rays[ids[i < left ? i : left - 1]];
+  return load_lanes(copies, copies + width() / 2);
 }
 
 // Rays of one face, whose axis it is.
 HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32_t size, int axis, Packet& p) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
-  p.rays = rays, p.ids = ids, p.size = size, p.lanes = (size + width - 1) / width * width;
+  p.rays = rays, p.ids = ids, p.size = size, p.lanes = (size + width() - 1) / width() * width();
   p.kz = axis, p.kx = (axis + 1) % 3, p.ky = (axis + 2) % 3;
   for (int a = 0; a < 3; ++a) p.origin[a] = p.ray(0).org[a];
   Words differ = hn::Zero(kWords);
   Floats largest_origin = hn::Zero(kFloats);
-  for (std::uint32_t i = 0; i < p.lanes; i += width) {
+  for (std::uint32_t i = 0; i < p.lanes; i += width()) {
     const RayLanes r = gather_lanes(rays, ids + i, size - i);
     for (int a = 0; a < 3; ++a) {
       hn::Store(r.org[a], kFloats, p.org[a] + i), hn::Store(r.dir[a], kFloats, p.dir[a] + i);
@@ -125,6 +145,7 @@ HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32
     hn::Store(most(r.t_min, set(0)), kFloats, p.t_min + i);
     hn::Store(least(r.t_max, set(std::numeric_limits<float>::max())), kFloats, p.t + i);
     hn::Store(hn::Set(kWords, kNoHit), kWords, p.prim_id + i);
+    hn::Store(set(0), kFloats, p.u + i), hn::Store(set(0), kFloats, p.v + i);
   }
   p.has_one_origin = hn::AllTrue(kWords, hn::Eq(differ, hn::Zero(kWords)));
   p.largest_origin = most_lane(largest_origin);
@@ -137,6 +158,38 @@ HWY_INLINE void store_answer(const Packet& p, std::uint32_t r, Hit& answer) {
 }
 HWY_INLINE void store_answer(const Packet& p, std::uint32_t r, std::uint8_t& answer) {
   answer = p.prim_id[r] == kNoHit ? 0 : 1;
+}
+
+// The answers to the rays of a vector, each half of them one after the other in memory.
+HWY_INLINE void store_lanes(const Packet& p, std::uint32_t first, Hit* lower, Hit* upper) {
+#if HWY_TARGET == HWY_SCALAR
+  (void)upper;
+  store_answer(p, first, *lower);
+#else
+  const hn::Half<decltype(kFloats)> half;
+  const Words prim_id = hn::Load(kWords, p.prim_id + first);
+  const Mask is_miss = hn::RebindMask(kFloats, hn::Eq(prim_id, hn::Set(kWords, kNoHit)));
+  const Floats t = hn::IfThenElse(is_miss, set(Hit{}.t), load(p.t + first)), id = hn::BitCast(kFloats, prim_id);
+  const Floats u = load(p.u + first), v = load(p.v + first);
+  hn::StoreInterleaved4(hn::LowerHalf(half, t), hn::LowerHalf(half, u), hn::LowerHalf(half, v), hn::LowerHalf(half, id), half,
+                        &lower->t);
+  hn::StoreInterleaved4(hn::UpperHalf(half, t), hn::UpperHalf(half, u), hn::UpperHalf(half, v), hn::UpperHalf(half, id), half,
+                        &upper->t);
+#endif
+}
+
+// answers[ids[r]] answers ray r.
+HWY_INLINE void store_answers(const Packet& p, Hit* answers) {
+  for (std::uint32_t first = 0; first < p.size; first += width()) {
+    const std::uint32_t end = std::min(first + width(), p.size), *const ids = p.ids + first;
+    if (end - first == width() && HWY_LIKELY(are_runs(ids)))
+      store_lanes(p, first, answers + ids[0], answers + ids[width() / 2]);
+    else
+      for (std::uint32_t r = first; r < end; ++r) store_answer(p, r, answers[p.ids[r]]);
+  }
+}
+HWY_INLINE void store_answers(const Packet& p, std::uint8_t* occluded) {
+  for (std::uint32_t r = 0; r < p.size; ++r) store_answer(p, r, occluded[p.ids[r]]);
 }
 
 // Where the coordinate kx (side 0) or ky (side 1) of the rays from lane i on is at a plane of the axis kz.

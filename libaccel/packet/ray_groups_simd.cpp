@@ -52,7 +52,7 @@ HWY_INLINE Entered enter_child(const Boxes& boxes, const Bvh2Node& node, std::ui
 template <Query kQuery>
 HWY_INLINE void intersect_leaf(const LeafQuad* leaves, NodeRef leaf, Mask active, std::uint32_t first, Packet& p) {
   for (std::uint32_t quad = leaf_quad(leaf); !is_end_of_leaf(leaves, quad); quad += kQuadsPerTriangle)
-    GroupTest<kQuery>(p, packed_triangle(leaves, quad)).intersect(first, active);
+    GroupTest<kQuery, LoneTriangle>(p, {packed_triangle(leaves, quad)}).intersect(first, active);
 }
 
 HWY_INLINE void postpone(Postponed& entry, NodeRef node, const Entered& at) {
@@ -127,7 +127,7 @@ HWY_INLINE GroupWork trace_packets(const Bvh2View& view, const LocalizedBatch& b
     const std::uint32_t first = batch.packets[batch.active[i]], end = batch.packets[batch.active[i] + 1];
     load_rays(batch.rays, batch.ids + first, end - first, faces[first] >> 1, packet);
     trace_packet<kQuery>(view, packet, work);
-    for (std::uint32_t r = 0; r < packet.size; ++r) store_answer(packet, r, answers[batch.ids[first + r]]);
+    store_answers(packet, answers);
   }
   return work;
 }

@@ -16,6 +16,7 @@
 #include "libaccel/geometry/located_bounds.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/packet/packet_simd-inl.h"
+#include "libaccel/structure/triangle_block.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace accel {
@@ -24,21 +25,22 @@ namespace {
 
 const hn::Half<decltype(kFloats)> kHalfFloats;
 const hn::Rebind<double, decltype(kHalfFloats)> kDoubles;
+using HalfFloats = decltype(hn::Zero(kHalfFloats));
 using Doubles = decltype(hn::Zero(kDoubles));
 
 // Of the nearest of three vertices by Watertight::nearest_vertex().
-HWY_INLINE void nearest_vertex(const PackedTriangle& triangle, const Floats org[3], Floats vertex[3]) {
+template <class Triangle>
+HWY_INLINE void nearest_vertex(const Triangle& triangle, const Floats org[3], Floats vertex[3]) {
   Floats d[3];
-  for (int i = 0; i < 3; ++i) {
-    Floats far = hn::Abs(hn::Sub(set(triangle.axis[0].vertex[i]), org[0]));
-    far = most(far, hn::Abs(hn::Sub(set(triangle.axis[1].vertex[i]), org[1])));
-    d[i] = most(far, hn::Abs(hn::Sub(set(triangle.axis[2].vertex[i]), org[2])));
+  for (int k = 0; k < 3; ++k) {
+    Floats far = hn::Abs(hn::Sub(set(triangle.vertex(0, k)), org[0]));
+    far = most(far, hn::Abs(hn::Sub(set(triangle.vertex(1, k)), org[1])));
+    d[k] = most(far, hn::Abs(hn::Sub(set(triangle.vertex(2, k)), org[2])));
   }
   const Mask second = hn::Lt(d[1], d[0]), third = hn::Lt(d[2], least(d[1], d[0]));
-  for (int a = 0; a < 3; ++a) {
-    const float* const v = triangle.axis[a].vertex;
-    vertex[a] = hn::IfThenElse(third, set(v[2]), hn::IfThenElse(second, set(v[1]), set(v[0])));
-  }
+  for (int a = 0; a < 3; ++a)
+    vertex[a] = hn::IfThenElse(third, set(triangle.vertex(a, 2)),
+                               hn::IfThenElse(second, set(triangle.vertex(a, 1)), set(triangle.vertex(a, 0))));
 }
 
 // Of the plane, as Watertight::plane_distance() has it. Returns the product of the 1-norms of two edges.
@@ -85,15 +87,45 @@ HWY_INLINE float reach_of(const Packet& p, const Aabb& bounds) {
   return LocatedBounds::reach(bounds, p.largest_origin, least_lane(least_dir), most_lane(most_dir));
 }
 
-// A triangle against groups of rays of a packet: what they share is computed once. kOneOrigin: all rays start at p.origin.
-template <Query kQuery, bool kOneOrigin = false>
+// Triangles as leaves have them: coordinate a of vertex k is vertex(a, k).
+struct LoneTriangle {
+  static constexpr bool kIsRelative = false;
+  const PackedTriangle& triangle;
+
+  HWY_INLINE float vertex(int a, int k) const { return triangle.axis[a].vertex[k]; }
+  HWY_INLINE std::uint32_t prim_id() const { return triangle.prim_id(); }
+  HWY_INLINE const PackedTriangle& packed() const { return triangle; }
+};
+// The vertices of a block relative to the origin that all rays of a packet have.
+struct alignas(64) RelativeVertices {
+  float vertex[3][3][kBlockLanes];
+
+  HWY_INLINE RelativeVertices(const TriangleBlock& block, const float origin[3]) {
+    const hn::CappedTag<float, kBlockLanes> lanes;
+    for (int a = 0; a < 3; ++a)
+      for (int k = 0; k < 3; ++k)
+        for (std::uint32_t i = 0; i < kBlockLanes; i += static_cast<std::uint32_t>(hn::Lanes(lanes)))
+          hn::Store(hn::Sub(hn::Load(lanes, block.vertex[a][k] + i), hn::Set(lanes, origin[a])), lanes, vertex[a][k] + i);
+  }
+};
+struct RelativeTriangle {
+  static constexpr bool kIsRelative = true;
+  const TriangleBlock& block;
+  const RelativeVertices& vertices;
+  std::uint32_t lane;
+
+  HWY_INLINE float relative(int a, int k) const { return vertices.vertex[a][k][lane]; }
+  HWY_INLINE float vertex(int a, int k) const { return block.vertex[a][k][lane]; }
+  HWY_INLINE std::uint32_t prim_id() const { return block.prim_id[lane]; }
+  HWY_INLINE PackedTriangle packed() const { return block.packed(lane); }
+};
+
+// A triangle against groups of rays of a packet: what they share is computed once. Of a RelativeTriangle, the rays have one
+// origin.
+template <Query kQuery, class Triangle>
 class GroupTest {
  public:
-  HWY_INLINE GroupTest(Packet& packet, const PackedTriangle& triangle) : p_(packet), triangle_(triangle) {
-    if constexpr (kOneOrigin)
-      for (int a = 0; a < 3; ++a)
-        for (int k = 0; k < 3; ++k) relative_[a][k] = triangle.axis[a].vertex[k] - packet.origin[a];
-  }
+  HWY_INLINE GroupTest(Packet& packet, const Triangle& triangle) : p_(packet), triangle_(triangle) {}
 
   // The rays of the mask, from lane i on. Returns how many have a new answer.
   HWY_INLINE std::uint32_t intersect(std::uint32_t i, Mask mask) {
@@ -119,11 +151,13 @@ class GroupTest {
 
     const Mask on_edge = hn::And(inside, hn::Or(hn::Or(hn::Eq(e[0], zero), hn::Eq(e[1], zero)), hn::Eq(e[2], zero)));
     std::uint32_t answered = 0;
-    if (HWY_UNLIKELY(!hn::AllFalse(kFloats, on_edge))) answered = intersect_singly<kQuery>(p_, i, on_edge, triangle_);
+    if (HWY_UNLIKELY(!hn::AllFalse(kFloats, on_edge))) answered = intersect_singly<kQuery>(p_, i, on_edge, triangle_.packed());
     return answered + accept(i, inside, on_edge, projected);
   }
 
  private:
+  static constexpr bool kOneOrigin = Triangle::kIsRelative;
+
   // Depths along the axis kz relative to the origin, and edge functions.
   struct Projected {
     Floats z[3], edge[3];
@@ -137,8 +171,10 @@ class GroupTest {
 
   // Vertex k relative to the rays' origins.
   HWY_INLINE Floats vertex(int axis, int k, std::uint32_t i) const {
-    if constexpr (kOneOrigin) return set(relative_[axis][k]);
-    return hn::Sub(set(triangle_.axis[axis].vertex[k]), load(p_.org[axis] + i));
+    if constexpr (kOneOrigin)
+      return set(triangle_.relative(axis, k));
+    else
+      return hn::Sub(set(triangle_.vertex(axis, k)), load(p_.org[axis] + i));
   }
 
   // Takes the hits of rays that are inside, on no edge, and meet nothing nearer. Returns how many there are.
@@ -188,7 +224,7 @@ class GroupTest {
     Floats s = hn::Zero(kFloats), d = s, products = s;
     for (int a = 0; a < 3; ++a) {
       const Floats n = set(bounds.normal[a]);
-      const Floats product = hn::Mul(n, hn::Sub(set(triangle_.axis[a].vertex[0]), load(p_.org[a] + i)));
+      const Floats product = hn::Mul(n, hn::Sub(set(triangle_.vertex(a, 0)), load(p_.org[a] + i)));
       s = hn::Add(s, product), products = hn::Add(products, hn::Abs(product));
       d = hn::MulAdd(n, load(p_.dir[a] + i), d);
     }
@@ -212,80 +248,86 @@ class GroupTest {
   // Watertight::locate(): t of the lanes of the mask.
   HWY_INLINE Floats locate(std::uint32_t i, Mask mask, const Projected& projected, Floats det) {
     if (!has_plane_) find_plane();
-    Located located;
-    if constexpr (!kOneOrigin) prepare_located(i, projected, located);
-    for (std::uint32_t part = 0; part < hn::Lanes(kFloats); part += static_cast<std::uint32_t>(hn::Lanes(kDoubles)))
-      locate_part(i, part, located);
+    Nearest nearest;
+    if constexpr (!kOneOrigin) find_nearest(i, projected, nearest);
+#if HWY_TARGET == HWY_SCALAR
+    const Located located = locate_half(i, 0, nearest);
+    const Floats t = located.t, within = located.within;
+#else
+    const Located lower = locate_half(i, 0, nearest),
+                  upper = locate_half(i, static_cast<std::uint32_t>(hn::Lanes(kDoubles)), nearest);
+    const Floats t = hn::Combine(kFloats, upper.t, lower.t), within = hn::Combine(kFloats, upper.within, lower.within);
+#endif
 
     const Floats *const z = projected.z, *const e = projected.edge;
-    const Mask beyond = hn::AndNot(hn::Gt(load(located.within), hn::Zero(kFloats)), mask);
-    if (HWY_LIKELY(hn::AllFalse(kFloats, beyond))) return load(located.t);
+    const Mask beyond = hn::AndNot(hn::Gt(within, hn::Zero(kFloats)), mask);
+    if (HWY_LIKELY(hn::AllFalse(kFloats, beyond))) return t;
     const Floats b0 = hn::Div(e[0], det), u = hn::Div(e[1], det), v = hn::Div(e[2], det);
     const Floats depth = hn::Add(hn::Add(hn::Mul(b0, z[0]), hn::Mul(u, z[1])), hn::Mul(v, z[2]));
-    return hn::IfThenElse(beyond, hn::Div(depth, load(p_.dir[p_.kz] + i)), load(located.t));
+    return hn::IfThenElse(beyond, hn::Div(depth, load(p_.dir[p_.kz] + i)), t);
   }
 
-  // By ray: the vertex that is taken, and bounds of depths, where origins differ; and what is found.
-  struct alignas(64) Located {
+  // By ray, where origins differ: the vertex that is taken, and bounds of depths.
+  struct alignas(64) Nearest {
     float vertex[3][16], lowest[16], highest[16];
-    float t[16], within[16];  // within: 1 or 0
+  };
+  // Of as many rays as there are doubles in a vector: t, and whether it lies within bounds: 1 or 0.
+  struct Located {
+    HalfFloats t, within;
   };
 
   HWY_INLINE void find_plane() {
-    const double edges = find_normal(triangle_, plane_.normal);
+    const PackedTriangle& triangle = triangle_.packed();
+    const double edges = find_normal(triangle, plane_.normal);
     has_plane_ = true;
     if constexpr (kQuery == Query::any && !kOneOrigin) plane_.bounds = LocatedBounds(plane_.normal, edges, p_.reach);
     if constexpr (kOneOrigin) {
-      Floats org[3], vertex[3];
-      for (int a = 0; a < 3; ++a) org[a] = set(p_.origin[a]);
-      nearest_vertex(triangle_, org, vertex);
+      const int k = Watertight::nearest_vertex(triangle, {p_.origin[0], p_.origin[1], p_.origin[2]});
       for (int a = 0; a < 3; ++a) {
-        const double s = plane_.normal[a] * (static_cast<double>(hn::GetLane(vertex[a])) - p_.origin[a]);
+        const double s = plane_.normal[a] * (static_cast<double>(triangle.axis[a].vertex[k]) - p_.origin[a]);
         plane_.above = a == 0 ? s : plane_.above + s;
       }
-      const float* const z = relative_[p_.kz];
+      const float z[] = {triangle_.relative(p_.kz, 0), triangle_.relative(p_.kz, 1), triangle_.relative(p_.kz, 2)};
       const float nearest = min_of(min_of(z[0], z[1]), z[2]), farthest = max_of(max_of(z[0], z[1]), z[2]);
       plane_.lowest = nearest - kUnitRoundoff * 2 * std::fabs(nearest);
       plane_.highest = farthest + kUnitRoundoff * 2 * std::fabs(farthest);
     }
   }
 
-  HWY_INLINE void prepare_located(std::uint32_t i, const Projected& projected, Located& located) const {
+  HWY_INLINE void find_nearest(std::uint32_t i, const Projected& projected, Nearest& found) const {
     Floats org[3], vertex[3];
     for (int a = 0; a < 3; ++a) org[a] = load(p_.org[a] + i);
     nearest_vertex(triangle_, org, vertex);
-    for (int a = 0; a < 3; ++a) hn::Store(vertex[a], kFloats, located.vertex[a]);
+    for (int a = 0; a < 3; ++a) hn::Store(vertex[a], kFloats, found.vertex[a]);
     const Floats* const z = projected.z;
     const Floats nearest = least(least(z[0], z[1]), z[2]), farthest = most(most(z[0], z[1]), z[2]);
     const Floats rounding = set(kUnitRoundoff * 2);
-    hn::Store(hn::Sub(nearest, hn::Mul(rounding, hn::Abs(nearest))), kFloats, located.lowest);
-    hn::Store(hn::Add(farthest, hn::Mul(rounding, hn::Abs(farthest))), kFloats, located.highest);
+    hn::Store(hn::Sub(nearest, hn::Mul(rounding, hn::Abs(nearest))), kFloats, found.lowest);
+    hn::Store(hn::Add(farthest, hn::Mul(rounding, hn::Abs(farthest))), kFloats, found.highest);
   }
 
-  // Watertight::plane_distance() and where it lies, in double, for as many rays as there are doubles in a vector.
-  HWY_INLINE void locate_part(std::uint32_t i, std::uint32_t part, Located& located) const {
+  // Watertight::plane_distance() and where it lies, in double, of the rays from lane i + part on.
+  HWY_INLINE Located locate_half(std::uint32_t i, std::uint32_t part, const Nearest& nearest) const {
     const auto promote = [](const float* from) HWY_ATTR { return hn::PromoteTo(kDoubles, hn::Load(kHalfFloats, from)); };
     Doubles above = hn::Set(kDoubles, plane_.above), below = hn::Zero(kDoubles);
     for (int a = 0; a < 3; ++a) {
       const Doubles n = hn::Set(kDoubles, plane_.normal[a]), d = hn::Mul(n, promote(p_.dir[a] + i + part));
       below = a == 0 ? d : hn::Add(below, d);
       if constexpr (!kOneOrigin) {
-        const Doubles s = hn::Mul(n, hn::Sub(promote(located.vertex[a] + part), promote(p_.org[a] + i + part)));
+        const Doubles s = hn::Mul(n, hn::Sub(promote(nearest.vertex[a] + part), promote(p_.org[a] + i + part)));
         above = a == 0 ? s : hn::Add(above, s);
       }
     }
-    const Doubles lowest = kOneOrigin ? hn::Set(kDoubles, plane_.lowest) : promote(located.lowest + part);
-    const Doubles highest = kOneOrigin ? hn::Set(kDoubles, plane_.highest) : promote(located.highest + part);
+    const Doubles lowest = kOneOrigin ? hn::Set(kDoubles, plane_.lowest) : promote(nearest.lowest + part);
+    const Doubles highest = kOneOrigin ? hn::Set(kDoubles, plane_.highest) : promote(nearest.highest + part);
     const Doubles t = hn::Div(above, below), depth = hn::Mul(t, promote(p_.dir[p_.kz] + i + part));
     const auto within = hn::And(hn::Ge(depth, lowest), hn::Le(depth, highest));
     const Doubles flag = hn::IfThenElse(within, hn::Set(kDoubles, 1.0), hn::Zero(kDoubles));
-    hn::Store(hn::DemoteTo(kHalfFloats, t), kHalfFloats, located.t + part);
-    hn::Store(hn::DemoteTo(kHalfFloats, flag), kHalfFloats, located.within + part);
+    return {hn::DemoteTo(kHalfFloats, t), hn::DemoteTo(kHalfFloats, flag)};
   }
 
   Packet& p_;
-  const PackedTriangle& triangle_;
-  float relative_[3][3];  // vertices, to one origin
+  const Triangle triangle_;
   bool has_plane_ = false;
   Plane plane_{};
 };
