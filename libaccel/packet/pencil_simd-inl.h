@@ -6,10 +6,12 @@
 // rays are not negative, and slopes are at most 1 in magnitude, for kz is the rays' dominant axis.
 //
 // Conservative, as frustums are (packet/frustum.h): boxes are enlarged by the slack of a frustum, 128 u of the largest
-// coordinate, of which the box test's allowance takes half and the rounding of planes relative to the point less than 8 u. The
-// errors of a ray's slope, of a reciprocal, a product and a sum are relative, less than 8 u of slopes up to 1; kSlopeSlack is
-// added for them. A box that rays enter has a depth beyond 0, once it is enlarged; so of what counts, only the product of 0 and
-// the reciprocal of the nearest depth 0 is NaN, which least() and most() pass over where it comes first.
+// coordinate. What the box test allows for takes half of it, and the rounding of planes relative to the point less than 8 u.
+// The errors of a ray's slope, of a reciprocal and of a product are less than 8 u of slopes up to 1, which is 16 u of the
+// largest coordinate at depths up to twice that.
+//
+// NaN. A box that rays enter has a farthest depth beyond 0, once it is enlarged. So of what counts, only the product of 0 and
+// the reciprocal of a nearest depth of 0 is NaN; it comes first in least() and most(), which then give the other.
 #if defined(ACCEL_PENCIL_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef ACCEL_PENCIL_SIMD_INL_H
 #undef ACCEL_PENCIL_SIMD_INL_H
@@ -19,7 +21,6 @@
 
 #include <hwy/highway.h>
 
-#include <bit>
 #include <cstdint>
 
 #include "libaccel/packet/frustum.h"
@@ -30,8 +31,6 @@ HWY_BEFORE_NAMESPACE();
 namespace accel {
 namespace HWY_NAMESPACE {
 namespace {
-
-inline constexpr float kSlopeSlack = 16 * kUnitRoundoff;
 
 // What the children of a node cover: ranges of slopes along kx and ky.
 struct alignas(64) ChildSlopes {
@@ -52,9 +51,9 @@ class alignas(64) Pencil {
       for (std::uint32_t i = 0, g = 0; i < p.lanes; i += width(), ++g) {
         const Floats shear = load(p.shear[s] + i), slope = is_backward_ ? hn::Neg(shear) : shear;
         lower = least(slope, lower), upper = most(slope, upper);
-        group_lower_[s][g] = least_lane(slope) - kSlopeSlack, group_upper_[s][g] = most_lane(slope) + kSlopeSlack;
+        group_lower_[s][g] = least_lane(slope), group_upper_[s][g] = most_lane(slope);
       }
-      lower_[s] = least_lane(lower) - kSlopeSlack, upper_[s] = most_lane(upper) + kSlopeSlack;
+      lower_[s] = least_lane(lower), upper_[s] = most_lane(upper);
     }
   }
 
@@ -64,20 +63,17 @@ class alignas(64) Pencil {
     const auto slack = hn::Set(boxes, slack_), zero = hn::Zero(boxes), one = hn::Set(boxes, 1);
     std::uint32_t met = 0;
     for (std::uint32_t first = 0; first < kBvh8Arity; first += static_cast<std::uint32_t>(hn::Lanes(boxes))) {
-      const auto below = [&](int axis) HWY_ATTR {
-        return hn::Sub(hn::Load(boxes, node.planes[axis][0] + first), hn::Set(boxes, apex_[axis]));
+      const auto plane = [&](int axis, int side) HWY_ATTR {
+        return hn::Sub(hn::Load(boxes, node.planes[axis][side] + first), hn::Set(boxes, apex_[axis]));
       };
-      const auto above = [&](int axis) HWY_ATTR {
-        return hn::Sub(hn::Load(boxes, node.planes[axis][1] + first), hn::Set(boxes, apex_[axis]));
-      };
-      const auto nearest = hn::Sub(is_backward_ ? hn::Neg(above(kz_)) : below(kz_), slack);
-      const auto farthest = hn::Add(is_backward_ ? hn::Neg(below(kz_)) : above(kz_), slack);
+      const auto nearest = hn::Sub(is_backward_ ? hn::Neg(plane(kz_, 1)) : plane(kz_, 0), slack);
+      const auto farthest = hn::Add(is_backward_ ? hn::Neg(plane(kz_, 0)) : plane(kz_, 1), slack);
       auto is_met = hn::And(hn::Gt(farthest, zero), hn::Ge(farthest, hn::Set(boxes, begin_)));
       is_met = hn::And(is_met, hn::Le(nearest, hn::Set(boxes, end_)));
       const auto per_nearest = hn::Div(one, most(nearest, zero)), per_farthest = hn::Div(one, farthest);
       for (int s = 0; s < 2; ++s) {
         const int axis = (kz_ + 1 + s) % 3;
-        const auto x0 = hn::Sub(below(axis), slack), x1 = hn::Add(above(axis), slack);
+        const auto x0 = hn::Sub(plane(axis, 0), slack), x1 = hn::Add(plane(axis, 1), slack);
         const auto lower = least(hn::Mul(x0, per_nearest), hn::Mul(x0, per_farthest));
         const auto upper = most(hn::Mul(x1, per_nearest), hn::Mul(x1, per_farthest));
         is_met = hn::And(is_met, hn::And(hn::Le(lower, hn::Set(boxes, upper_[s])), hn::Ge(upper, hn::Set(boxes, lower_[s]))));
