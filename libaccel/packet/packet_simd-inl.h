@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "libaccel/packet/localized.h"
@@ -86,43 +87,56 @@ struct RayLanes {
   Floats org[3], t_min, dir[3], t_max;
 };
 
-// Of as many rays as a vector has lanes: each half of them one after the other in memory.
-HWY_INLINE RayLanes load_lanes(const Ray* lower, const Ray* upper) {
+#if HWY_TARGET != HWY_SCALAR
+// Vector k of the eight that as many rays as there are lanes fill one after the other, of which ray_at(i) is number i.
+template <class RayAt>
+HWY_INLINE Floats load_eighth(std::uint32_t k, const RayAt& ray_at) {
+  constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(kFloats));
+  if constexpr (kLanes == 16) {
+    const hn::Half<decltype(kFloats)> half;
+    return hn::Combine(kFloats, hn::LoadU(half, &ray_at(2 * k + 1).org.x), hn::LoadU(half, &ray_at(2 * k).org.x));
+  } else {
+    return hn::LoadU(kFloats, &ray_at(k * kLanes / 8).org.x + k * kLanes % 8);
+  }
+}
+#endif
+
+// As many rays as a vector has lanes, of which ray_at(i) is number i.
+template <class RayAt>
+HWY_INLINE RayLanes load_lanes(const RayAt& ray_at) {
+  static_assert(sizeof(Ray) == 8 * sizeof(float));
   RayLanes r;
 #if HWY_TARGET == HWY_SCALAR
-  (void)upper;
-  const float* const first = &lower->org.x;
+  const float* const first = &ray_at(0).org.x;
   for (int a = 0; a < 3; ++a) r.org[a] = load(first + a), r.dir[a] = load(first + 4 + a);
   r.t_min = load(first + 3), r.t_max = load(first + 7);
 #else
-  // Origins are even lanes then, and directions odd ones.
-  Floats x0, x1, y0, y1, z0, z1, t0, t1;
-  hn::LoadInterleaved4(kFloats, &lower->org.x, x0, y0, z0, t0);
-  hn::LoadInterleaved4(kFloats, &upper->org.x, x1, y1, z1, t1);
-  r.org[0] = hn::ConcatEven(kFloats, x1, x0), r.dir[0] = hn::ConcatOdd(kFloats, x1, x0);
-  r.org[1] = hn::ConcatEven(kFloats, y1, y0), r.dir[1] = hn::ConcatOdd(kFloats, y1, y0);
-  r.org[2] = hn::ConcatEven(kFloats, z1, z0), r.dir[2] = hn::ConcatOdd(kFloats, z1, z0);
-  r.t_min = hn::ConcatEven(kFloats, t1, t0), r.t_max = hn::ConcatOdd(kFloats, t1, t0);
+  // Sorts the floats by the lowest bit of their place in a ray, three times.
+  Floats by_none[8], by_one[8], by_two[8];
+  for (std::uint32_t k = 0; k < 8; ++k) by_none[k] = load_eighth(k, ray_at);
+  const auto sort = [](const Floats* from, Floats* even, Floats* odd, int count) HWY_ATTR {
+    for (int k = 0; k < count; ++k) {
+      even[k] = hn::ConcatEven(kFloats, from[2 * k + 1], from[2 * k]);
+      odd[k] = hn::ConcatOdd(kFloats, from[2 * k + 1], from[2 * k]);
+    }
+  };
+  sort(by_none, by_one, by_one + 4, 4);
+  for (int i = 0; i < 8; i += 4) sort(by_one + i, by_two + i, by_two + i + 2, 2);
+  // By bits now: org.x, dir.x; org.z, dir.z; org.y, dir.y; t_min, t_max.
+  Floats* const values[] = {r.org, r.dir, r.org + 2, r.dir + 2, r.org + 1, r.dir + 1, &r.t_min, &r.t_max};
+  for (int i = 0; i < 8; i += 2) sort(by_two + i, values[i], values[i + 1], 1);
 #endif
   return r;
 }
 
-// Whether each half of a vector's rays is a run, one after the other in memory.
-HWY_INLINE bool are_runs(const std::uint32_t* ids) {
-  const std::uint32_t half = (width() + 1) / 2;
-  const Words lane = hn::Iota(kWords, 0);
-  const Words expected = hn::IfThenElse(hn::Lt(lane, hn::Set(kWords, half)), hn::Set(kWords, ids[0]),
-                                        hn::Set(kWords, ids[width() / 2] - width() / 2));
-  return hn::AllTrue(kWords, hn::Eq(hn::Sub(hn::LoadU(kWords, ids), lane), expected));
-}
-
-// The rays of the next lanes, of which there are `left` more; the last one fills lanes without a ray. Rays that come in runs
-// need no copy.
+// The rays of the next lanes, of which there are `left` more; the last one fills lanes without a ray.
 HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* ids, std::uint32_t left) {
-  if (left >= width() && HWY_LIKELY(are_runs(ids))) return load_lanes(rays + ids[0], rays + ids[width() / 2]);
-  Ray copies[16];
-  for (std::uint32_t i = 0; i < width(); ++i) copies[i] = rays[ids[i < left ? i : left - 1]];
-  return load_lanes(copies, copies + width() / 2);
+  std::uint32_t filled[16];
+  if (HWY_UNLIKELY(left < width())) {
+    for (std::uint32_t i = 0; i < width(); ++i) filled[i] = ids[std::min(i, left - 1)];
+    ids = filled;
+  }
+  return load_lanes([&](std::uint32_t i) -> const Ray& { return rays[ids[i]]; });
 }
 
 // Rays of one face, whose axis it is.
@@ -160,36 +174,40 @@ HWY_INLINE void store_answer(const Packet& p, std::uint32_t r, std::uint8_t& ans
   answer = p.prim_id[r] == kNoHit ? 0 : 1;
 }
 
-// The answers to the rays of a vector, each half of them one after the other in memory.
-HWY_INLINE void store_lanes(const Packet& p, std::uint32_t first, Hit* lower, Hit* upper) {
-#if HWY_TARGET == HWY_SCALAR
-  (void)upper;
-  store_answer(p, first, *lower);
-#else
-  const hn::Half<decltype(kFloats)> half;
+// The answers to a vector of rays.
+HWY_INLINE void answers_of(const Packet& p, std::uint32_t first, Hit* answers) {
   const Words prim_id = hn::Load(kWords, p.prim_id + first);
   const Mask is_miss = hn::RebindMask(kFloats, hn::Eq(prim_id, hn::Set(kWords, kNoHit)));
-  const Floats t = hn::IfThenElse(is_miss, set(Hit{}.t), load(p.t + first)), id = hn::BitCast(kFloats, prim_id);
-  const Floats u = load(p.u + first), v = load(p.v + first);
-  hn::StoreInterleaved4(hn::LowerHalf(half, t), hn::LowerHalf(half, u), hn::LowerHalf(half, v), hn::LowerHalf(half, id), half,
-                        &lower->t);
-  hn::StoreInterleaved4(hn::UpperHalf(half, t), hn::UpperHalf(half, u), hn::UpperHalf(half, v), hn::UpperHalf(half, id), half,
-                        &upper->t);
-#endif
+  const Floats t = hn::IfThenElse(is_miss, set(Hit{}.t), load(p.t + first));
+  hn::StoreInterleaved4(t, load(p.u + first), load(p.v + first), hn::BitCast(kFloats, prim_id), kFloats, &answers[0].t);
+}
+HWY_INLINE void answers_of(const Packet& p, std::uint32_t first, std::uint8_t* answers) {
+  const hn::Rebind<std::int32_t, decltype(kFloats)> ints;
+  const hn::Rebind<std::uint8_t, decltype(kFloats)> bytes;
+  const auto is_miss = hn::Eq(hn::Load(kWords, p.prim_id + first), hn::Set(kWords, kNoHit));
+  const Words answer = hn::IfThenElse(is_miss, hn::Zero(kWords), hn::Set(kWords, 1));
+  hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(ints, answer)), bytes, answers);
 }
 
-// answers[ids[r]] answers ray r.
-HWY_INLINE void store_answers(const Packet& p, Hit* answers) {
-  for (std::uint32_t first = 0; first < p.size; first += width()) {
-    const std::uint32_t end = std::min(first + width(), p.size), *const ids = p.ids + first;
-    if (end - first == width() && HWY_LIKELY(are_runs(ids)))
-      store_lanes(p, first, answers + ids[0], answers + ids[width() / 2]);
+// answers[ids[r]] answers ray r. Rays of pictures come in runs of four at least.
+template <class Answer>
+HWY_INLINE void store_answers(const Packet& p, Answer* answers) {
+  std::uint32_t r = 0;
+#if HWY_TARGET != HWY_SCALAR
+  constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(kFloats)), kRun = 4;
+  const Words place = hn::And(hn::Iota(kWords, 0), hn::Set(kWords, kRun - 1));
+  for (; r + kLanes <= p.size; r += kLanes) {
+    alignas(64) Answer some[kLanes];
+    answers_of(p, r, some);
+    const std::uint32_t* const ids = p.ids + r;
+    const Words id = hn::LoadU(kWords, ids);
+    if (HWY_LIKELY(hn::AllTrue(kWords, hn::Eq(id, hn::Add(hn::Broadcast<0>(id), place)))))
+      for (std::uint32_t i = 0; i < kLanes; i += kRun) std::memcpy(answers + ids[i], some + i, kRun * sizeof(Answer));
     else
-      for (std::uint32_t r = first; r < end; ++r) store_answer(p, r, answers[p.ids[r]]);
+      for (std::uint32_t i = 0; i < kLanes; ++i) answers[ids[i]] = some[i];
   }
-}
-HWY_INLINE void store_answers(const Packet& p, std::uint8_t* occluded) {
-  for (std::uint32_t r = 0; r < p.size; ++r) store_answer(p, r, occluded[p.ids[r]]);
+#endif
+  for (; r < p.size; ++r) store_answer(p, r, answers[p.ids[r]]);
 }
 
 // Where the coordinate kx (side 0) or ky (side 1) of the rays from lane i on is at a plane of the axis kz.
