@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: some rows of a picture
 // Trials: places in a block where a packet is traced in each way, and how much of a block they may take.
 constexpr std::size_t kPlaces = 4, kShareOfTrials = 4;
-constexpr double kClearlyLess = 0.85;  // than the time of the way so far
+constexpr double kClearlyLess = 0.85;  // than the time of another way
 constexpr std::uint16_t kGrowthOfDistance = 4, kMostBlocksPerTrial = 64;
 constexpr std::uint8_t kRun = StreamPlan{}.run;
 
@@ -131,8 +131,12 @@ void Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Ans
   const auto best = std::min_element(seconds.begin(), seconds.end());
   const Way before = plan.way;
   if (*best < kClearlyLess * seconds[static_cast<std::size_t>(before)]) plan.way = static_cast<Way>(best - seconds.begin());
-  plan.trial_distance =
-      plan.way == before ? std::min<std::uint16_t>(kGrowthOfDistance * plan.trial_distance, kMostBlocksPerTrial) : 1;
+  // Turns and packets differ most, so that it must not be chance which of them the next blocks go in.
+  const double by_turns = seconds[0], in_packets = *std::min_element(seconds.begin() + 1, seconds.end());
+  const bool is_clear = by_turns < kClearlyLess * in_packets || in_packets < kClearlyLess * by_turns;
+  plan.trial_distance = plan.way == before && is_clear
+                            ? std::min<std::uint16_t>(kGrowthOfDistance * plan.trial_distance, kMostBlocksPerTrial)
+                            : 1;
   plan.blocks_to_trial = plan.trial_distance - 1u;
 }
 
