@@ -17,7 +17,7 @@ constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: som
 constexpr std::size_t kPlaces = 4, kShareOfTrials = 4;
 constexpr double kClearlyLess = 0.85;  // than the time of another way
 constexpr std::uint16_t kGrowthOfDistance = 4, kMostBlocksPerTrial = 64;
-constexpr std::uint8_t kRun = StreamPlan{}.run;
+constexpr std::uint8_t kRun = 8;  // rays that are sorted as one, until orders have been compared
 
 // Seconds that the calling thread has worked, which others on the machine do not add to.
 double thread_seconds() {
@@ -76,9 +76,9 @@ void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<
     plan_.store(plan, std::memory_order_relaxed);
     return trace_by_turns(rays, answers);
   }
-  if (is_trial && plan.trial_distance == 1) plan.run = better_run(rays);
+  if (is_trial && plan.run == StreamPlan::kNotCompared) plan.run = better_run(rays);
   order_.begin(rays);
-  make_packets(plan.run, options_.max_size);
+  make_packets(plan.run == StreamPlan::kNotCompared ? kRun : plan.run, options_.max_size);
   const std::size_t places = is_trial && packets_.count() >= kShareOfTrials * kPlaces * kWays ? kPlaces : 0;
   if (places > 0) try_ways(rays, answers, plan);
   plan_.store(plan, std::memory_order_relaxed);

@@ -36,8 +36,9 @@ bool are_alike(std::span<const Ray> rays);
 // time, one change is lost, which costs a trial.
 struct alignas(8) StreamPlan {  // as a word: clang calls a library for atomics of less alignment
   enum class Way : std::uint8_t { turns, packets, packets_from_far_end };
+  static constexpr std::uint8_t kNotCompared = 255;
   Way way = Way::packets;
-  std::uint8_t run = 8;  // rays that are sorted as one; 0: none are
+  std::uint8_t run = kNotCompared;  // rays that are sorted as one; 0: none are
   std::uint16_t trial_distance = 1;
   std::uint32_t blocks_to_trial = 0;
 };
