@@ -16,6 +16,7 @@ constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: som
 // Trials: places in a block where a packet is traced in each way, and how much of a block they may take.
 constexpr std::size_t kPlaces = 4, kShareOfTrials = 4;
 constexpr double kClearlyLess = 0.85;  // than the time of another way
+constexpr double kHopeless = 3;        // times that of the fastest way: not tried again
 constexpr std::uint16_t kGrowthOfDistance = 4, kMostBlocksPerTrial = 64;
 constexpr std::uint8_t kRun = 8;  // rays that are sorted as one, until orders have been compared
 
@@ -120,21 +121,27 @@ std::size_t Bvh8StreamTracer<Answer>::first_of(std::size_t place) const {
 template <class Answer>
 void Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan) {
   std::array<double, kWays> seconds{}, count{};
+  const auto cost = [&](std::size_t way) { return seconds[way] / count[way]; };
+  const auto fastest = [&] {
+    std::size_t best = 0;
+    for (std::size_t way = 1; way < kWays; ++way) best = cost(way) < cost(best) ? way : best;
+    return best;
+  };
   for (std::size_t place = 0; place < kPlaces; ++place)
     for (std::size_t i = 0; i < kWays; ++i) {
-      const std::size_t way = (place + i) % kWays, packet = first_of(place) + i;
+      const std::size_t packet = first_of(place) + i;
+      std::size_t way = (place + i) % kWays;
+      if (place > 1 && cost(way) > kHopeless * cost(fastest())) way = fastest();
       const double begin = thread_seconds();
       trace_packets(static_cast<Way>(way), packet, packet + 1, rays, answers);
       seconds[way] += thread_seconds() - begin, count[way] += static_cast<double>(packets_.size_of(packet));
     }
-  for (std::size_t way = 0; way < kWays; ++way) seconds[way] /= count[way];
-  const auto best = std::min_element(seconds.begin(), seconds.end());
-  const Way before = plan.way;
-  if (*best < kClearlyLess * seconds[static_cast<std::size_t>(before)]) plan.way = static_cast<Way>(best - seconds.begin());
+  const std::size_t best = fastest(), before = static_cast<std::size_t>(plan.way);
+  if (cost(best) < kClearlyLess * cost(before)) plan.way = static_cast<Way>(best);
   // Turns and packets differ most, so that it must not be chance which of them the next blocks go in.
-  const double by_turns = seconds[0], in_packets = *std::min_element(seconds.begin() + 1, seconds.end());
-  const bool is_clear = by_turns < kClearlyLess * in_packets || in_packets < kClearlyLess * by_turns;
-  plan.trial_distance = plan.way == before && is_clear
+  const double turns = cost(0), packets = std::min(cost(1), cost(kWays - 1));
+  const bool is_clear = turns < kClearlyLess * packets || packets < kClearlyLess * turns;
+  plan.trial_distance = static_cast<std::size_t>(plan.way) == before && is_clear
                             ? std::min<std::uint16_t>(kGrowthOfDistance * plan.trial_distance, kMostBlocksPerTrial)
                             : 1;
   plan.blocks_to_trial = plan.trial_distance - 1u;
