@@ -47,10 +47,10 @@ void find_faces(const Ray* rays, std::size_t count, std::uint8_t* faces) {
   const std::size_t width = hn::Lanes(kFloats), whole = count - count % width;
   const hn::Rebind<std::int32_t, decltype(kFloats)> ints;
   const hn::Rebind<std::uint8_t, decltype(kFloats)> bytes;
-  for (std::size_t i = 0; i < whole; i += width)
-    hn::StoreU(hn::DemoteTo(
-                   bytes, hn::BitCast(ints, faces_of(load_lanes([&](std::uint32_t k) -> const Ray& { return rays[i + k]; })))),
-               bytes, faces + i);
+  for (std::size_t i = 0; i < whole; i += width) {
+    const Words some = faces_of(load_lanes([&](std::uint32_t k) -> const Ray& { return rays[i + k]; }));
+    hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(ints, some)), bytes, faces + i);
+  }
   for (std::size_t i = whole; i < count; ++i) faces[i] = static_cast<std::uint8_t>(face_of(rays[i]));
 }
 

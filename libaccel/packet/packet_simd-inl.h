@@ -111,20 +111,20 @@ HWY_INLINE RayLanes load_lanes(const RayAt& ray_at) {
   for (int a = 0; a < 3; ++a) r.org[a] = load(first + a), r.dir[a] = load(first + 4 + a);
   r.t_min = load(first + 3), r.t_max = load(first + 7);
 #else
-  // Sorts the floats by the lowest bit of their place in a ray, three times.
+  // Deals the floats by the lowest bit of their place in a ray, three times.
   Floats by_none[8], by_one[8], by_two[8];
   for (std::uint32_t k = 0; k < 8; ++k) by_none[k] = load_eighth(k, ray_at);
-  const auto sort = [](const Floats* from, Floats* even, Floats* odd, int count) HWY_ATTR {
+  const auto deal = [](const Floats* from, Floats* even, Floats* odd, int count) HWY_ATTR {
     for (int k = 0; k < count; ++k) {
       even[k] = hn::ConcatEven(kFloats, from[2 * k + 1], from[2 * k]);
       odd[k] = hn::ConcatOdd(kFloats, from[2 * k + 1], from[2 * k]);
     }
   };
-  sort(by_none, by_one, by_one + 4, 4);
-  for (int i = 0; i < 8; i += 4) sort(by_one + i, by_two + i, by_two + i + 2, 2);
+  deal(by_none, by_one, by_one + 4, 4);
+  for (int i = 0; i < 8; i += 4) deal(by_one + i, by_two + i, by_two + i + 2, 2);
   // By bits now: org.x, dir.x; org.z, dir.z; org.y, dir.y; t_min, t_max.
   Floats* const values[] = {r.org, r.dir, r.org + 2, r.dir + 2, r.org + 1, r.dir + 1, &r.t_min, &r.t_max};
-  for (int i = 0; i < 8; i += 2) sort(by_two + i, values[i], values[i + 1], 1);
+  for (int i = 0; i < 8; i += 2) deal(by_two + i, values[i], values[i + 1], 1);
 #endif
   return r;
 }

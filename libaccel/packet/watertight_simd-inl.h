@@ -29,18 +29,18 @@ using HalfFloats = decltype(hn::Zero(kHalfFloats));
 using Doubles = decltype(hn::Zero(kDoubles));
 
 // Of the nearest of three vertices by Watertight::nearest_vertex().
-template <class Triangle>
-HWY_INLINE void nearest_vertex(const Triangle& triangle, const Floats org[3], Floats vertex[3]) {
+HWY_INLINE void nearest_vertex(const PackedTriangle& triangle, const Floats org[3], Floats vertex[3]) {
   Floats d[3];
-  for (int k = 0; k < 3; ++k) {
-    Floats far = hn::Abs(hn::Sub(set(triangle.vertex(0, k)), org[0]));
-    far = most(far, hn::Abs(hn::Sub(set(triangle.vertex(1, k)), org[1])));
-    d[k] = most(far, hn::Abs(hn::Sub(set(triangle.vertex(2, k)), org[2])));
+  for (int i = 0; i < 3; ++i) {
+    Floats far = hn::Abs(hn::Sub(set(triangle.axis[0].vertex[i]), org[0]));
+    far = most(far, hn::Abs(hn::Sub(set(triangle.axis[1].vertex[i]), org[1])));
+    d[i] = most(far, hn::Abs(hn::Sub(set(triangle.axis[2].vertex[i]), org[2])));
   }
   const Mask second = hn::Lt(d[1], d[0]), third = hn::Lt(d[2], least(d[1], d[0]));
-  for (int a = 0; a < 3; ++a)
-    vertex[a] = hn::IfThenElse(third, set(triangle.vertex(a, 2)),
-                               hn::IfThenElse(second, set(triangle.vertex(a, 1)), set(triangle.vertex(a, 0))));
+  for (int a = 0; a < 3; ++a) {
+    const float* const v = triangle.axis[a].vertex;
+    vertex[a] = hn::IfThenElse(third, set(v[2]), hn::IfThenElse(second, set(v[1]), set(v[0])));
+  }
 }
 
 // Of the plane, as Watertight::plane_distance() has it. Returns the product of the 1-norms of two edges.
@@ -87,7 +87,8 @@ HWY_INLINE float reach_of(const Packet& p, const Aabb& bounds) {
   return LocatedBounds::reach(bounds, p.largest_origin, least_lane(least_dir), most_lane(most_dir));
 }
 
-// Triangles as leaves have them: coordinate a of vertex k is vertex(a, k).
+// Triangles as they are tested: by themselves, or those of a block, whose vertices have been moved to the origin that all rays
+// of a packet have. Coordinate a of vertex k is vertex(a, k), and relative(a, k) once it is moved.
 struct LoneTriangle {
   static constexpr bool kIsRelative = false;
   const PackedTriangle& triangle;
@@ -96,7 +97,7 @@ struct LoneTriangle {
   HWY_INLINE std::uint32_t prim_id() const { return triangle.prim_id(); }
   HWY_INLINE const PackedTriangle& packed() const { return triangle; }
 };
-// The vertices of a block relative to the origin that all rays of a packet have.
+
 struct alignas(64) RelativeVertices {
   float vertex[3][3][kBlockLanes];
 
@@ -120,8 +121,7 @@ struct RelativeTriangle {
   HWY_INLINE PackedTriangle packed() const { return block.packed(lane); }
 };
 
-// A triangle against groups of rays of a packet: what they share is computed once. Of a RelativeTriangle, the rays have one
-// origin.
+// A triangle against groups of rays of a packet: what they share is computed once.
 template <Query kQuery, class Triangle>
 class GroupTest {
  public:
@@ -297,7 +297,7 @@ class GroupTest {
   HWY_INLINE void find_nearest(std::uint32_t i, const Projected& projected, Nearest& found) const {
     Floats org[3], vertex[3];
     for (int a = 0; a < 3; ++a) org[a] = load(p_.org[a] + i);
-    nearest_vertex(triangle_, org, vertex);
+    nearest_vertex(triangle_.packed(), org, vertex);
     for (int a = 0; a < 3; ++a) hn::Store(vertex[a], kFloats, found.vertex[a]);
     const Floats* const z = projected.z;
     const Floats nearest = least(least(z[0], z[1]), z[2]), farthest = most(most(z[0], z[1]), z[2]);
