@@ -13,6 +13,7 @@
 #include <cstring>
 #include <limits>
 
+#include "libaccel/core/least_simd-inl.h"
 #include "libaccel/packet/localized.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -31,26 +32,6 @@ using Mask = decltype(hn::Eq(hn::Zero(kFloats), hn::Zero(kFloats)));
 HWY_INLINE std::uint32_t width() { return static_cast<std::uint32_t>(hn::Lanes(kFloats)); }
 HWY_INLINE Floats set(float x) { return hn::Set(kFloats, x); }
 HWY_INLINE Floats load(const float* from) { return hn::Load(kFloats, from); }
-// min_of(), max_of(): the second where one is NaN. What x86 does.
-#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_ARCH_X86
-template <class V>
-HWY_INLINE V least(V a, V b) {
-  return hn::Min(a, b);
-}
-template <class V>
-HWY_INLINE V most(V a, V b) {
-  return hn::Max(a, b);
-}
-#else
-template <class V>
-HWY_INLINE V least(V a, V b) {
-  return hn::IfThenElse(hn::Lt(a, b), a, b);
-}
-template <class V>
-HWY_INLINE V most(V a, V b) {
-  return hn::IfThenElse(hn::Gt(a, b), a, b);
-}
-#endif
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

@@ -13,6 +13,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "libaccel/core/least_simd-inl.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/structure/triangle_block.h"
 #include "libaccel/trace/traverser.h"
@@ -28,27 +29,6 @@ const hn::CappedTag<double, kBlockLanes> kDoubles;
 const hn::Rebind<float, decltype(kDoubles)> kHalves;
 using Triangles = decltype(hn::Zero(kTriangles));
 using Doubles = decltype(hn::Zero(kDoubles));
-
-// min_of(), max_of(): the second where one is NaN. What x86 does.
-#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128 && HWY_ARCH_X86
-template <class V>
-HWY_INLINE V least(V a, V b) {
-  return hn::Min(a, b);
-}
-template <class V>
-HWY_INLINE V most(V a, V b) {
-  return hn::Max(a, b);
-}
-#else
-template <class V>
-HWY_INLINE V least(V a, V b) {
-  return hn::IfThenElse(hn::Lt(a, b), a, b);
-}
-template <class V>
-HWY_INLINE V most(V a, V b) {
-  return hn::IfThenElse(hn::Gt(a, b), a, b);
-}
-#endif
 
 template <class D, class M>
 HWY_INLINE std::uint32_t bits_of(D d, M mask) {
