@@ -1,7 +1,6 @@
 // Function qualifiers that differ between host and device compilers, and the library's assertion.
 //
-// This header and the SIMD files (core/float4_simd.h, geometry/watertight_simd.h, trace/box_pair.h,
-// packet/*_simd*) are the only places with `#if`.
+// This header, the SIMD files (*_simd*), geometry/watertight.h and trace/box_pair.h are the only places with `#if`.
 #pragma once
 
 #include <cassert>
