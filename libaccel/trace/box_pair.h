@@ -108,7 +108,8 @@ struct SseBoxPairTest {
 
  private:
   ACCEL_HD __m128 distances(const Bvh2Node& node, int a) const {
-    __m128 planes = _mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(node.planes[a] + near_at[a])));
+    // By types that may alias floats, as double may not.
+    __m128 planes = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(node.planes[a] + near_at[a])));
     planes = _mm_loadh_pi(planes, reinterpret_cast<const __m64*>(node.planes[a] + (near_at[a] ^ 2u)));
     return _mm_mul_ps(_mm_sub_ps(planes, org[a]), inv[a]);
   }
