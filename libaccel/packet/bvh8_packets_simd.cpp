@@ -278,9 +278,10 @@ class Flights {
 
   HWY_INLINE void trace() {
     constexpr std::uint32_t kMost = kPacketsInTurn<kQuery>;
-    const auto flights = std::make_unique_for_overwrite<Flight[]>(kMost);  // too large for some stacks
+    const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(kMost, batch_.count));
+    const auto flights = std::make_unique_for_overwrite<Flight[]>(most);  // too large for some stacks
     std::uint32_t count = 0;
-    while (count < kMost && begin(flights[count])) ++count;
+    while (count < most && begin(flights[count])) ++count;
     Flight* in_turn[kMost];
     for (std::uint32_t i = 0; i < count; ++i) in_turn[i] = &flights[i];
     while (count > 0)

@@ -9,8 +9,8 @@
 //
 // What the rays of a packet have in common is not computed for each. Where they start at one point, as those of a camera,
 // planes of boxes and vertices are moved there once for all of them, and so is the distance of a triangle's plane; and boxes
-// are seen from there by groups (packet/pencil_simd-inl.h), so that those ask a box that may meet it. Where rays run the same
-// way along an axis, none chooses which planes are near.
+// are seen from there by groups (packet/pencil_simd-inl.h), so that only groups that may meet a box ask it. Where rays run the
+// same way along an axis, none chooses which planes are near.
 //
 // Some packets are on their way at a time, by turns, as single rays are (trace/bvh8_simd.h): after a node, whose children are
 // not here yet, the next packet goes on.

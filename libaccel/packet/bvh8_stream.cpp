@@ -16,7 +16,7 @@ constexpr std::size_t kOrdered = 8192;  // rays that orders are compared on: som
 // Trials: places in a block where a packet is traced in each way, and how much of a block they may take.
 constexpr std::size_t kPlaces = 4, kShareOfTrials = 4;
 constexpr double kClearlyLess = 0.85;  // than the time of another way
-constexpr double kHopeless = 3;        // times that of the fastest way: not tried again
+constexpr double kHopeless = 3;        // times that of the fastest way: after two places, not tried again
 constexpr std::uint16_t kGrowthOfDistance = 4, kMostBlocksPerTrial = 64;
 constexpr std::uint8_t kRun = 8;  // rays that are sorted as one, until orders have been compared
 

@@ -21,12 +21,11 @@ namespace {
 
 // Of rays that have been loaded, all of one face, in a scene within `bounds`.
 HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& bounds) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
   Frustum frustum{.face = face};
   const int axis = frustum.axis();
   Floats nearest = set(kInfinity), farthest = set(-kInfinity);
   std::size_t negative[3] = {};
-  for (std::uint32_t i = 0; i < p.lanes; i += width) {
+  for (std::uint32_t i = 0; i < p.lanes; i += width()) {
     const Floats org = load(p.org[axis] + i), dir = load(p.dir[axis] + i);
     const Floats first = hn::Add(org, hn::Mul(dir, load(p.t_min + i))), last = hn::Add(org, hn::Mul(dir, load(p.t + i)));
     // Lanes without a ray are beyond all others.
@@ -42,7 +41,7 @@ HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& b
   detail::Range first[2], last[2];
   for (int s = 0; s < 2; ++s) {
     Floats least_first = set(kInfinity), most_first = set(-kInfinity), least_last = least_first, most_last = most_first;
-    for (std::uint32_t i = 0; i < p.lanes; i += width) {
+    for (std::uint32_t i = 0; i < p.lanes; i += width()) {
       const Floats x0 = at_plane(p, i, s, begin), x1 = at_plane(p, i, s, end);
       least_first = least(x0, least_first), most_first = most(x0, most_first);
       least_last = least(x1, least_last), most_last = most(x1, most_last);

@@ -23,10 +23,9 @@ struct alignas(64) GroupFrustums {
 };
 
 HWY_INLINE void begin_groups(const Frustum& frustum, const Packet& p, GroupFrustums& groups) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
   const float length = frustum.end - frustum.begin;
   const bool is_flat = !(length > frustum.slack);
-  for (std::uint32_t i = 0, g = 0; i < p.lanes; i += width, ++g) {
+  for (std::uint32_t i = 0, g = 0; i < p.lanes; i += width(), ++g) {
     groups.begin[g] = frustum.begin, groups.end[g] = frustum.end;
     for (int s = 0; s < 2; ++s) {
       const Floats x0 = at_plane(p, i, s, frustum.begin);
@@ -59,7 +58,7 @@ HWY_INLINE Mask groups_meet(const GroupFrustums& groups, std::uint32_t g, const 
 
 // Draws the end of a group's frustum in, after some of its rays have hit something.
 HWY_INLINE void shorten_group(const Packet& p, std::uint32_t i, const Frustum& frustum, GroupFrustums& groups) {
-  const std::uint32_t g = i / static_cast<std::uint32_t>(hn::Lanes(kFloats));
+  const std::uint32_t g = i / width();
   const Floats depth = hn::Add(load(p.org[p.kz] + i), hn::Mul(load(p.dir[p.kz] + i), load(p.t + i)));
   if ((frustum.face & 1u) != 0)
     groups.begin[g] = max_of(least_lane(depth), frustum.begin);
@@ -92,17 +91,17 @@ template <Query kQuery>
 HWY_INLINE std::uint32_t intersect_leaf(const LocalizedBatch& batch, const Frustum& frustum, std::uint32_t place, Packet& p,
                                         GroupFrustums& frustums) {
   const OctoNode& node = batch.nodes[place / kOctoArity];
-  const std::uint32_t c = place % kOctoArity, width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
+  const std::uint32_t c = place % kOctoArity;
   Group groups[kMaxPacketSize];
   std::uint32_t group_count = 0;
-  for (std::uint32_t g = 0; g * width < p.lanes; g += width) {
+  for (std::uint32_t g = 0; g * width() < p.lanes; g += width()) {
     std::uint8_t met[8] = {};
     hn::StoreMaskBits(kFloats, groups_meet(frustums, g, frustum, node, c), met);
     std::uint32_t bits = met[0] | met[1] << 8;
-    const std::uint32_t left = p.lanes / width - g;
-    if (left < width) bits &= (1u << left) - 1;
+    const std::uint32_t left = p.lanes / width() - g;
+    if (left < width()) bits &= (1u << left) - 1;
     for (; bits != 0; bits &= bits - 1) {
-      const std::uint32_t i = (g + static_cast<std::uint32_t>(std::countr_zero(bits))) * width;
+      const std::uint32_t i = (g + static_cast<std::uint32_t>(std::countr_zero(bits))) * width();
       const Mask mask = enter_box(p, i, node, c);
       groups[group_count].first = i;
       hn::StoreMaskBits(kFloats, mask, groups[group_count].bits);

@@ -100,8 +100,7 @@ HWY_INLINE void trace_group(const Bvh2View& view, const Boxes& boxes, std::uint3
 
 template <Query kQuery>
 HWY_INLINE void trace_packet(const Bvh2View& view, Packet& p, GroupWork& work) {
-  const auto width = static_cast<std::uint32_t>(hn::Lanes(kFloats));
-  for (std::uint32_t i = 0; i < p.lanes; i += width) {
+  for (std::uint32_t i = 0; i < p.lanes; i += width()) {
     Boxes boxes;
     boxes.t_min = load(p.t_min + i);
     bool one_way = true;
@@ -139,7 +138,7 @@ GroupWork occlude(const Bvh2View& view, const LocalizedBatch& batch, const std::
   return trace_packets<Query::any>(view, batch, faces, occluded);
 }
 
-std::uint32_t lanes() { return static_cast<std::uint32_t>(hn::Lanes(kFloats)); }
+std::uint32_t lanes() { return width(); }
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

@@ -80,7 +80,7 @@ HWY_NOINLINE std::uint32_t intersect_singly(Packet& p, std::uint32_t first, Mask
 // Of LocatedBounds, for all rays of the packet in a scene within `bounds`.
 HWY_INLINE float reach_of(const Packet& p, const Aabb& bounds) {
   Floats least_dir = set(kInfinity), most_dir = hn::Zero(kFloats);
-  for (std::uint32_t i = 0; i < p.lanes; i += static_cast<std::uint32_t>(hn::Lanes(kFloats))) {
+  for (std::uint32_t i = 0; i < p.lanes; i += width()) {
     const Floats along = hn::Abs(load(p.dir[p.kz] + i));
     least_dir = least(along, least_dir), most_dir = most(along, most_dir);
   }
