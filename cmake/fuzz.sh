@@ -8,7 +8,7 @@
 # input that crashes is left in build/fuzz/crashes/TARGET, and the script fails when all targets have run.
 #
 # The build takes some 9 minutes of one core without ccache, most of it for the methods. Where that is too much,
-# `cmake/fuzz.sh SECONDS` with the targets obj, ply, ply_zst, scene and npy still builds it: the library is one target.
+# `cmake/fuzz.sh SECONDS` with the targets obj, ply, ply_zst, gltf, scene and npy still builds it: the library is one target.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}

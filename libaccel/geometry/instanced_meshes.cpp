@@ -43,26 +43,31 @@ Status check_instance(const Instance& instance, const std::vector<Aabb>& bounds)
   return Done{};
 }
 
-Result<TriangleMesh> flatten(const InstancedMeshes& scene) {
-  std::uint64_t vertices = 0;
-  for (const Instance& instance : scene.instances()) vertices += scene.meshes()[instance.mesh].vertices.size();
-  if (scene.size() > kMaxTriangles || vertices > std::numeric_limits<std::uint32_t>::max())
-    return Error{"the instances have " + std::to_string(scene.size()) +
-                 " triangles together, more than one mesh may have; trace them with a method for instances"};
-  TriangleMesh flat{Buffer<Vec3>(vertices), Buffer<IndexTriple>(scene.size())};
-  std::uint32_t first_vertex = 0;
-  IndexTriple* triangle = flat.triangles.begin();
-  for (const Instance& instance : scene.instances()) {
-    const TriangleMesh& mesh = scene.meshes()[instance.mesh];
-    std::transform(mesh.vertices.begin(), mesh.vertices.end(), flat.vertices.begin() + first_vertex,
-                   [&](Vec3 v) { return placed(instance.transform, v); });
-    for (const IndexTriple& t : mesh.triangles) *triangle++ = {first_vertex + t.v0, first_vertex + t.v1, first_vertex + t.v2};
-    first_vertex += static_cast<std::uint32_t>(mesh.vertices.size());
-  }
-  return flat;
-}
-
 }  // namespace
+
+Result<TriangleMesh> flattened(std::span<const TriangleMesh> meshes, std::span<const Instance> instances) {
+  std::uint64_t vertices = 0, triangles = 0;
+  for (const Instance& instance : instances)
+    vertices += meshes[instance.mesh].vertices.size(), triangles += meshes[instance.mesh].size();
+  if (triangles > kMaxTriangles || vertices > std::numeric_limits<std::uint32_t>::max())
+    return Error{"the instances have " + std::to_string(triangles) +
+                 " triangles together, more than one mesh may have; trace them with a method for instances"};
+  try {
+    TriangleMesh flat{Buffer<Vec3>(vertices), Buffer<IndexTriple>(triangles)};
+    std::uint32_t first_vertex = 0;
+    IndexTriple* triangle = flat.triangles.begin();
+    for (const Instance& instance : instances) {
+      const TriangleMesh& mesh = meshes[instance.mesh];
+      std::transform(mesh.vertices.begin(), mesh.vertices.end(), flat.vertices.begin() + first_vertex,
+                     [&](Vec3 v) { return placed(instance.transform, v); });
+      for (const IndexTriple& t : mesh.triangles) *triangle++ = {first_vertex + t.v0, first_vertex + t.v1, first_vertex + t.v2};
+      first_vertex += static_cast<std::uint32_t>(mesh.vertices.size());
+    }
+    return flat;
+  } catch (const std::bad_alloc&) {
+    return Error{"not enough memory for the " + std::to_string(triangles) + " triangles of all instances"};
+  }
+}
 
 struct InstancedMeshes::Flat {
   std::mutex mutex;
@@ -137,13 +142,9 @@ double InstancedMeshes::position_error(std::uint32_t prim_id) const {
 Result<TriangleMesh> InstancedMeshes::flattened() const {
   const std::lock_guard lock(state_->flat->mutex);
   if (!state_->flat->mesh) {
-    try {
-      Result<TriangleMesh> mesh = flatten(*this);
-      if (!mesh) return mesh;
-      state_->flat->mesh = *std::move(mesh);
-    } catch (const std::bad_alloc&) {
-      return Error{"not enough memory for the " + std::to_string(size()) + " triangles of all instances"};
-    }
+    Result<TriangleMesh> mesh = accel::flattened(meshes(), instances());
+    if (!mesh) return mesh;
+    state_->flat->mesh = *std::move(mesh);
   }
   return *state_->flat->mesh;
 }

@@ -59,8 +59,7 @@ class InstancedMeshes {
   // (rays/offset_origin.h), which is at most 2 W. In the world |M| times both.
   double position_error(std::uint32_t prim_id) const;
 
-  // All triangles in the world as one mesh, with the same prim_ids. Made at the first call, and kept. Fails where a mesh cannot
-  // be that large, or the memory does not suffice.
+  // flattened() of meshes and instances, with the same prim_ids. Made at the first call, and kept.
   Result<TriangleMesh> flattened() const;
 
  private:
@@ -76,6 +75,10 @@ class InstancedMeshes {
   explicit InstancedMeshes(std::shared_ptr<const Parts> state) : state_(std::move(state)) {}
   std::shared_ptr<const Parts> state_;
 };
+
+// All triangles in the world as one mesh: those of each instance follow those of the one before. The maps may be any, singular
+// ones too. Errors: more triangles than a mesh may have, or than memory.
+Result<TriangleMesh> flattened(std::span<const TriangleMesh> meshes, std::span<const Instance> instances);
 
 // A vertex in the world, rounded to floats.
 inline Vec3 placed(const Affine& transform, Vec3 vertex) { return transform_point(transform, Vec3d(vertex)).to_float(); }

@@ -1,4 +1,4 @@
-// Triangle meshes out of scene files: OBJ and PLY, either of them also packed with zstd (NAME.obj.zst, NAME.ply.zst).
+// Triangles out of scene files: OBJ, PLY and glTF (.gltf and .glb), each of them also packed with zstd, as in NAME.ply.zst.
 //
 // The format is told by the file's name, in any case of letters. Polygons are triangulated (geometry/triangulate_polygon.h);
 // the prim_id of a triangle is its number in file order after that: a polygon of n corners takes n - 2 consecutive numbers, a
@@ -14,7 +14,7 @@
 #include <filesystem>
 
 #include "libaccel/core/progress.h"
-#include "libaccel/geometry/triangle_mesh.h"
+#include "libaccel/geometry/scene_data.h"
 
 namespace accel {
 
@@ -23,9 +23,14 @@ struct LoadOptions {
   std::uint64_t* skipped_faces = nullptr;  // faces with fewer than three corners are counted here, if somewhere
 };
 
-// Whether the name ends like a scene file's: .obj, .ply, .obj.zst or .ply.zst.
+// Whether the name ends like a scene file's: .obj, .ply, .gltf or .glb, with or without .zst.
 bool is_mesh_file_name(const std::filesystem::path& path);
 
+// All that a file holds: glTF (io/gltf.h) may have cameras, a light and instances. What stands beside it is not read: see
+// io/load_scene.h.
+Result<SceneData> load_file(const std::filesystem::path& path, const LoadOptions& options = {});
+
+// Its triangles as one mesh.
 Result<TriangleMesh> load_mesh(const std::filesystem::path& path, const LoadOptions& options = {});
 
 }  // namespace accel

@@ -59,9 +59,11 @@ Result<SceneData> load_scene(const std::filesystem::path& path, const LoadOption
     if (!instances) return instances.error();
     return SceneData{{}, std::move(description->cameras), description->light, *std::move(instances)};
   }
-  Result<TriangleMesh> mesh = load_mesh(path, options);
-  if (!mesh) return mesh.error();
-  return SceneData{*std::move(mesh), std::move(description->cameras), description->light, {}};
+  Result<SceneData> scene = load_file(path, options);
+  if (!scene) return scene;
+  scene->cameras.insert(scene->cameras.begin(), description->cameras.begin(), description->cameras.end());
+  if (description->light) scene->light = description->light;
+  return scene;
 } catch (const std::bad_alloc&) {
   return out_of_memory("loading a scene");
 }

@@ -5,12 +5,12 @@
 #include <charconv>
 #include <cmath>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/io/input_bytes.h"
+#include "libaccel/io/json_cursor.h"
 
 namespace accel {
 namespace {
@@ -26,8 +26,9 @@ class JsonReader {
   explicit JsonReader(const std::string& name) : name_(name) {}
 
   Result<SceneDescription> read(std::string_view text) {
-    const Json root = Json::parse(text, nullptr, false);
-    if (root.is_discarded()) return Error{syntax_error(text)};
+    const Result<Json> parsed = parse_json(text, name_);
+    if (!parsed) return parsed.error();
+    const Json& root = *parsed;
     SceneDescription scene;
     if (check_keys(root, {"cameras", "light", "instances"})) {
       if (root.contains("cameras")) cameras(root["cameras"], scene);
@@ -42,20 +43,6 @@ class JsonReader {
   bool fail(const std::string& what) {
     if (message_.empty()) message_ = name_ + ": " + (where_.empty() ? "" : where_ + ": ") + what;
     return false;
-  }
-
-  // Only the throwing parser says where the mistake is.
-  std::string syntax_error(std::string_view text) const {
-    std::size_t at = 0;
-    try {
-      [[maybe_unused]] const Json parsed = Json::parse(text);
-    } catch (const Json::parse_error& error) {
-      at = std::min(error.byte, text.size());
-    } catch (const Json::exception&) {
-      return name_ + ": holds a number that is too large";
-    }
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-    return name_ + ":" + std::to_string(line) + ": is not valid JSON";
   }
 
   bool check_keys(const Json& object, std::initializer_list<std::string_view> known) {

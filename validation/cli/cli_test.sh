@@ -806,6 +806,20 @@ test_zstd_and_ply() {
   expect 0 trace quad.obj.zst; says out "2 triangles"
 }
 
+test_gltf() {
+  cat >quad.gltf <<'JSON'
+    {"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0.5, 0.5, 3]}],
+     "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5}}],
+     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}],
+     "accessors": [{"bufferView": 0, "componentType": 5121, "count": 4, "type": "VEC3"}],
+     "bufferViews": [{"buffer": 0, "byteLength": 12}],
+     "buffers": [{"byteLength": 12, "uri": "data:application/octet-stream;base64,AAAAAQAAAQEAAAEA"}]}
+JSON
+  expect 0 trace quad.gltf; says out "2 triangles"; says out "camera 'camera 1' at (0.50 0.50 3.00)"
+  sed 's/"buffers": .*/"buffers": [{"byteLength": 12, "uri": "quad.bin"}]}/' quad.gltf >lost.gltf
+  expect 1 trace lost.gltf; says err "lost.gltf: buffers[0].uri: quad.bin: cannot open: No such file or directory"
+}
+
 folder=$(mktemp -d) || exit 1
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 1

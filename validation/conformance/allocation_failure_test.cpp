@@ -4,8 +4,8 @@
 //
 // Failing are the allocations by operator new, in all its forms, which this program replaces. Exempt are those that C libraries
 // make by malloc, oneTBB's of tasks and arenas and zstd's of windows, and the list of methods, which is made once and stays.
-// Left out is what goes through nlohmann-json 3.11, scene descriptions and metadata: destructors of its values allocate, so
-// that the program ends where that fails, and values that are half made leak.
+// Left out is what goes through nlohmann-json 3.11, glTF, scene descriptions and metadata: its values allocate when they are
+// destroyed, so that the program ends where that fails, and values that are half made leak.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -68,6 +68,21 @@ std::string binary_ply(std::endian order) {
   return bytes;
 }
 
+// A triangle in the binary container of glTF.
+std::string glb() {
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]})";
+  std::string binary;
+  for (const float x : {0, 0, 0, 1, 0, 0, 0, 1, 0}) append(binary, x);
+  std::string bytes = "glTF";
+  append(bytes, 2u), append(bytes, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + binary.size()));
+  append(bytes, static_cast<std::uint32_t>(json.size())), bytes += "JSON" + json;
+  append(bytes, static_cast<std::uint32_t>(binary.size())), bytes += std::string("BIN\0", 4) + binary;
+  return bytes;
+}
+
 // With stored blocks: negative levels compress least.
 std::string packed(const std::string& bytes, int level) {
   std::string result(ZSTD_compressBound(bytes.size()), '\0');
@@ -141,7 +156,7 @@ void write_methods_seeds(const fs::path& folder) {
 int main(int argc, char** argv) {
   fuzz::require(argc == 2, "usage: make_corpus FOLDER");
   const fs::path folder = argv[1];
-  for (const char* target : {"obj", "scene", "ply", "ply_zst", "npy", "accel", "methods"})
+  for (const char* target : {"obj", "scene", "ply", "ply_zst", "gltf", "npy", "accel", "methods"})
     fs::create_directories(folder / target);
   for (const std::endian order : {std::endian::little, std::endian::big}) {
     const std::string name = order == std::endian::big ? "big.ply" : "little.ply", ply = binary_ply(order);
@@ -149,6 +164,7 @@ int main(int argc, char** argv) {
     must(write_file(folder / "ply_zst" / (name + ".stored.zst"), packed(ply, -100)));
     must(write_file(folder / "ply_zst" / (name + ".packed.zst"), packed(ply + ply, 19)));
   }
+  must(write_file(folder / "gltf" / "triangle.glb", glb()));
   write_npy_seeds(folder / "npy");
   write_accel_seeds(folder / "accel");
   write_methods_seeds(folder / "methods");

@@ -1,0 +1,32 @@
+// glTF 2.0 (Khronos Group; ISO/IEC 12113): the triangles, perspective cameras and first point or spot light of a scene.
+//
+// Both containers, .gltf (JSON) and .glb, are told apart by their first bytes. Read is the scene that the file names, its first
+// one where it names none, or all nodes where it has no scenes. Nodes are visited depth first in the order of the file, and the
+// triangles of a node's mesh are those of its primitives, one after the other: lists, strips and fans, with or without indices.
+// Points and lines are passed over, and so are materials, textures, skins, morph targets and animations: the scene is as
+// modelled. Positions are rounded once, when they are placed in the world; the transforms of nodes are multiplied in double.
+//
+// Meshes that many nodes place (or EXT_mesh_gpu_instancing) are kept as instances where one mesh would be large and mostly
+// copies; below that, one mesh is faster to trace. prim_ids are the same either way. What has no inverse is never an instance.
+//
+// Of the extensions that a file requires, those that concern neither positions nor indices are passed over; known are
+// KHR_mesh_quantization, EXT_mesh_gpu_instancing and KHR_lights_punctual; others, compressed meshes among them, are errors.
+//
+// Errors name the file and the way to the value, as in "scene.gltf: accessors[3].count: must be a number".
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "libaccel/geometry/scene_data.h"
+#include "libaccel/io/load_mesh.h"
+
+namespace accel {
+
+// One mesh from so many triangles on is large, and mostly copies if it has so many times the triangles of all meshes.
+inline constexpr std::uint64_t kLargeMesh = 1 << 20, kMostlyCopies = 4;
+
+// `name` is the file's: for messages, and to find the files that it names.
+Result<SceneData> parse_gltf(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options = {});
+
+}  // namespace accel
