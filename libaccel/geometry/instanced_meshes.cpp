@@ -50,8 +50,8 @@ Result<TriangleMesh> flattened(std::span<const TriangleMesh> meshes, std::span<c
   for (const Instance& instance : instances)
     vertices += meshes[instance.mesh].vertices.size(), triangles += meshes[instance.mesh].size();
   if (triangles > kMaxTriangles || vertices > std::numeric_limits<std::uint32_t>::max())
-    return Error{"the instances have " + std::to_string(triangles) +
-                 " triangles together, more than one mesh may have; trace them with a method for instances"};
+    return Error{"the instances have " + std::to_string(triangles) + " triangles and " + std::to_string(vertices) +
+                 " vertices together, more than one mesh may have; trace them with a method for instances"};
   try {
     TriangleMesh flat{Buffer<Vec3>(vertices), Buffer<IndexTriple>(triangles)};
     std::uint32_t first_vertex = 0;

@@ -76,8 +76,8 @@ class InstancedMeshes {
   std::shared_ptr<const Parts> state_;
 };
 
-// All triangles in the world as one mesh: those of each instance follow those of the one before. The maps may be any, singular
-// ones too. Errors: more triangles than a mesh may have, or than memory.
+// All triangles in the world as one mesh: those of each instance, of a mesh that there is, follow those of the one before. The
+// maps may be any, singular ones too. Errors: more triangles than a mesh may have, or than memory.
 Result<TriangleMesh> flattened(std::span<const TriangleMesh> meshes, std::span<const Instance> instances);
 
 // A vertex in the world, rounded to floats.

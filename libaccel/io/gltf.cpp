@@ -13,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/vec3d.h"
 #include "libaccel/io/gltf_buffers.h"
+#include "libaccel/io/gltf_node_map.h"
 #include "libaccel/io/json_cursor.h"
 #include "libaccel/io/load_bytes.h"
 #include "libaccel/io/progress_ticker.h"
@@ -58,68 +60,8 @@ Container open_container(std::span<const std::byte> bytes) {
       container.binary = bytes.subspan(at, size);
     at += size;
   }
+  if (container.json.empty()) throw FormatError{"has no chunk of JSON"};
   return container;
-}
-
-// An affine map in double: the maps of nodes are multiplied along their paths.
-struct NodeMap {
-  double m[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
-
-  Vec3d vector(Vec3d v) const {
-    const auto row = [&](const double(&r)[4]) { return r[0] * v.x + r[1] * v.y + r[2] * v.z; };
-    return {row(m[0]), row(m[1]), row(m[2])};
-  }
-  Vec3d translation() const { return {m[0][3], m[1][3], m[2][3]}; }
-  Affine rounded() const {
-    Affine result;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 4; ++j) result.m[i][j] = static_cast<float>(m[i][j]);
-    return result;
-  }
-};
-
-NodeMap operator*(const NodeMap& a, const NodeMap& b) {
-  NodeMap result;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j) {
-      result.m[i][j] = j == 3 ? a.m[i][3] : 0;
-      for (int k = 0; k < 3; ++k) result.m[i][j] += a.m[i][k] * b.m[k][j];
-    }
-  return result;
-}
-
-// Scales, turns by a quaternion (x, y, z, w) of any length but zero, then moves.
-NodeMap placed_by(std::span<const double> shift, std::span<const double> turn, std::span<const double> scale) {
-  const double length = std::hypot(std::hypot(turn[0], turn[1]), std::hypot(turn[2], turn[3]));
-  const double x = turn[0] / length, y = turn[1] / length, z = turn[2] / length, w = turn[3] / length;
-  const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-                          {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                          {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-  NodeMap map;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) map.m[i][j] = r[i][j] * scale[j];
-    map.m[i][3] = shift[i];
-  }
-  return map;
-}
-
-NodeMap map_of(const JsonCursor& node) {
-  if (const auto matrix = node.find("matrix")) {
-    const std::vector<double> columns = matrix->numbers(16);
-    NodeMap map;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 4; ++j) map.m[i][j] = columns[4 * j + i];
-    if (columns[3] != 0 || columns[7] != 0 || columns[11] != 0 || columns[15] != 1)
-      matrix->fail("is not affine: its last row must be 0 0 0 1");
-    return map;
-  }
-  const auto numbers_or = [&](const char* key, std::vector<double> otherwise) {
-    const auto given = node.find(key);
-    return given ? given->numbers(otherwise.size()) : otherwise;
-  };
-  const std::vector<double> turn = numbers_or("rotation", {0, 0, 0, 1});
-  if (std::all_of(turn.begin(), turn.end(), [](double x) { return x == 0; })) node["rotation"].fail("must not be zero");
-  return placed_by(numbers_or("translation", {0, 0, 0}), turn, numbers_or("scale", {1, 1, 1}));
 }
 
 std::optional<JsonCursor> extension(const JsonCursor& holder, const char* name) {
@@ -141,6 +83,28 @@ void add_triangles(std::uint64_t mode, std::span<const std::uint32_t> corners, s
     for (std::size_t i = 1; i + 1 < corners.size(); ++i) triangles.push_back({corners[i], corners[i + 1], corners[0]});
 }
 
+// An attribute of instances, which may not be there.
+class InstanceColumn {
+ public:
+  // read(index, components): the accessor's numbers.
+  template <class Read>
+  InstanceColumn(const JsonCursor& attributes, const char* key, std::vector<double> otherwise, const Read& read)
+      : otherwise_(std::move(otherwise)) {
+    if (const auto index = attributes.find(key)) numbers_ = read(*index, otherwise_.size());
+  }
+
+  std::size_t count() const { return numbers_.size() / otherwise_.size(); }
+  std::vector<double> at(std::size_t i) const {
+    if (numbers_.empty()) return otherwise_;
+    const auto first = numbers_.begin() + static_cast<std::ptrdiff_t>(i * otherwise_.size());
+    return {first, first + static_cast<std::ptrdiff_t>(otherwise_.size())};
+  }
+
+ private:
+  std::vector<double> otherwise_;
+  std::vector<float> numbers_;
+};
+
 class GltfReader {
  public:
   GltfReader(const JsonCursor& document, GltfBuffers buffers, const LoadOptions& options)
@@ -159,13 +123,14 @@ class GltfReader {
   void check_version() const {
     const JsonCursor asset = document_["asset"], version = asset["version"];
     const auto least = asset.find("minVersion");
-    if (!version.text().starts_with("2.") || (least && least->text() != "2.0"))
-      version.fail("is " + version.text() + "; only glTF 2.0 can be read");
+    if (!version.text().starts_with("2.")) version.fail("is " + version.quoted() + "; only glTF 2.0 can be read");
+    if (least && least->text() != "2.0") least->fail("is " + least->quoted() + "; only glTF 2.0 can be read");
   }
 
   void check_extensions() const {
     static constexpr std::string_view kHeeded[] = {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_lights_punctual"};
-    static constexpr std::string_view kElsewhere[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_xmp"};
+    static constexpr std::string_view kElsewhere[] = {
+        "KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "EXT_lights_", "KHR_animation_pointer", "KHR_xmp"};
     const auto required = document_.find("extensionsRequired");
     for (std::size_t i = 0; required && i < required->size(); ++i) {
       const std::string& name = (*required)[i].text();
@@ -173,7 +138,8 @@ class GltfReader {
       const bool is_elsewhere = std::any_of(std::begin(kElsewhere), std::end(kElsewhere),
                                             [&](std::string_view prefix) { return name.starts_with(prefix); });
       if (!is_heeded && !is_elsewhere)
-        throw FormatError{"requires the extension " + name + ", which is not supported; export the scene without it"};
+        throw FormatError{"requires the extension " + (*required)[i].quoted() +
+                          ", which is not supported; export the scene without it"};
     }
   }
 
@@ -213,49 +179,61 @@ class GltfReader {
       std::size_t node;
       NodeMap parent;
     };
-    std::vector<Step> left{{root, {}}};
+    std::vector<Step> left;
+    const auto add = [&](std::size_t node, const NodeMap& parent) {
+      if (seen_[node]) document_["nodes"][node].fail("is reached twice: nodes must form trees");
+      seen_[node] = true;
+      left.push_back({node, parent});
+    };
     seen_.resize(count("nodes"));
+    add(root, {});
     while (!left.empty()) {
       const Step step = left.back();
       left.pop_back();
       const JsonCursor node = document_["nodes"][step.node];
-      if (seen_[step.node]) node.fail("is reached twice: nodes must form trees");
-      seen_[step.node] = true;
       const NodeMap map = step.parent * map_of(node);
       visit(node, map);
       const std::vector<std::size_t> below = children(node);
-      for (auto child = below.rbegin(); child != below.rend(); ++child) left.push_back({*child, map});
+      for (auto child = below.rbegin(); child != below.rend(); ++child) add(*child, map);
     }
   }
 
   void visit(const JsonCursor& node, const NodeMap& map) {
-    if (const auto mesh = node.find("mesh")) place(node, mesh_number(*mesh), map);
+    if (map.is_point()) return;  // a scale of zero hides a node: section 3.5.3
+    if (const auto mesh = node.find("mesh")) {
+      const std::uint32_t number = mesh_number(*mesh);
+      if (const auto instancing = extension(node, "EXT_mesh_gpu_instancing"))
+        place_many((*instancing)["attributes"], number, map);
+      else
+        place(node, number, map);
+    }
     if (const auto camera = node.find("camera")) add_camera(node, *camera, map);
     const auto light = extension(node, "KHR_lights_punctual");
-    if (light && !light_) add_light((*light)["light"], map);
+    if (light && !light_) add_light(node, (*light)["light"], map);
   }
 
-  void place(const JsonCursor& node, std::uint32_t mesh, const NodeMap& map) {
-    const auto instancing = extension(node, "EXT_mesh_gpu_instancing");
-    if (!instancing) return instances_.push_back({mesh, map.rounded()});
-    const JsonCursor attributes = (*instancing)["attributes"];
-    const auto columns = [&](const char* key, std::size_t components) {
-      const auto accessor = attributes.find(key);
-      return accessor ? buffers_.floats(entry("accessors", *accessor), components) : std::vector<float>();
+  void place(const JsonCursor& who, std::uint32_t mesh, const NodeMap& map) {
+    buffers_.charge(1, who);
+    instances_.push_back({mesh, map.rounded()});
+  }
+
+  void place_many(const JsonCursor& attributes, std::uint32_t mesh, const NodeMap& map) {
+    const auto column = [&](const char* key, std::vector<double> otherwise) {
+      return InstanceColumn(attributes, key, std::move(otherwise), [&](const JsonCursor& index, std::size_t n) {
+        return buffers_.floats(entry("accessors", index), n);
+      });
     };
-    const std::vector<float> shifts = columns("TRANSLATION", 3), turns = columns("ROTATION", 4), scales = columns("SCALE", 3);
-    const std::size_t many = std::max({shifts.size() / 3, turns.size() / 4, scales.size() / 3});
-    for (const auto& [size, each] : {std::pair(shifts.size(), 3), std::pair(turns.size(), 4), std::pair(scales.size(), 3)})
-      if (size != 0 && size != many * static_cast<std::size_t>(each)) attributes.fail("must have as many elements each");
+    const InstanceColumn shifts = column("TRANSLATION", {0, 0, 0}), turns = column("ROTATION", {0, 0, 0, 1}),
+                         scales = column("SCALE", {1, 1, 1});
+    const std::size_t many = std::max({shifts.count(), turns.count(), scales.count()});
+    if (many == 0) attributes.fail("has neither TRANSLATION, ROTATION nor SCALE");
+    for (const InstanceColumn* each : {&shifts, &turns, &scales})
+      if (each->count() != 0 && each->count() != many) attributes.fail("must have as many elements each");
     for (std::size_t i = 0; i < many; ++i) {
-      std::array<double, 3> shift{0, 0, 0}, scale{1, 1, 1};
-      std::array<double, 4> turn{0, 0, 0, 1};
-      const auto take = [i](const std::vector<float>& from, auto& to) {
-        if (!from.empty()) std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(i * to.size()), to.size(), to.begin());
-      };
-      take(shifts, shift), take(turns, turn), take(scales, scale);
-      if (turn == std::array<double, 4>{}) attributes["ROTATION"].fail("must not be zero");
-      instances_.push_back({mesh, (map * placed_by(shift, turn, scale)).rounded()});
+      const std::vector<double> turn = turns.at(i);
+      if (is_zero(turn)) attributes["ROTATION"].fail("must not be zero");
+      place(attributes, mesh, map * placed_by(shifts.at(i), turn, scales.at(i)));
+      if (i % kInstancesBetweenTicks == 0) tick();
     }
   }
 
@@ -269,44 +247,67 @@ class GltfReader {
   std::uint32_t mesh_number(const JsonCursor& index) {
     const auto [known, is_new] = mesh_numbers_.try_emplace(index.natural(), static_cast<std::uint32_t>(meshes_.size()));
     if (is_new) meshes_.push_back(read_mesh(entry("meshes", index)));
-    if (!ticker_.tick(static_cast<double>(meshes_.size()) / static_cast<double>(count("meshes"))))
-      throw FormatError{std::string(kInterrupted)};
     return known->second;
   }
 
   TriangleMesh read_mesh(const JsonCursor& mesh) {
     std::vector<Vec3> vertices;
     std::vector<IndexTriple> triangles;
-    std::map<std::uint64_t, std::uint32_t> first_vertices;  // of accessors, which primitives may share
+    std::vector<Positions*> used;
     const JsonCursor primitives = mesh["primitives"];
     for (std::size_t p = 0; p < primitives.size(); ++p) {
+      tick();
       const JsonCursor primitive = primitives[p];
       const auto given = primitive.find("mode"), position = primitive["attributes"].find("POSITION");
       const std::uint64_t mode = given ? given->natural() : kTriangles;
       if (mode < kTriangles || mode > kFan || !position) continue;
-      const JsonCursor accessor = entry("accessors", *position);
-      if (extension(primitive, "KHR_draco_mesh_compression") && !accessor.find("bufferView"))
-        primitive.fail("is compressed by KHR_draco_mesh_compression, which is not supported; export the scene without it");
-      const auto [first, is_new] = first_vertices.try_emplace(position->natural(), static_cast<std::uint32_t>(vertices.size()));
-      if (is_new) add_vertices(accessor, vertices);
-      const std::size_t before = triangles.size();
-      add_triangles(mode, corners(primitive, mode, accessor["count"].natural()), triangles);
-      for (std::size_t i = before; i < triangles.size(); ++i)
-        for (std::uint32_t* v : {&triangles[i].v0, &triangles[i].v1, &triangles[i].v2}) *v += first->second;
+      Positions& positions = positions_of(primitive, *position);
+      used.push_back(&positions);
+      std::vector<std::uint32_t> corners = corners_of(primitive, mode, positions.vertex_of_point.size());
+      buffers_.charge(mode == kTriangles ? corners.size() / 3 : corners.size(), primitive);
+      for (std::uint32_t& corner : corners) corner = positions.vertex(corner, vertices);
+      add_triangles(mode, corners, triangles);
       if (triangles.size() > kMaxTriangles) mesh.fail("has more triangles than can be traced");
     }
+    for (Positions* positions : used) positions->forget_vertices();
     return {Buffer<Vec3>::copy_of(vertices), Buffer<IndexTriple>::copy_of(triangles)};
   }
 
-  void add_vertices(const JsonCursor& accessor, std::vector<Vec3>& vertices) {
-    const std::vector<float> numbers = buffers_.floats(accessor, 3);
-    if (vertices.size() + numbers.size() / 3 > std::numeric_limits<std::uint32_t>::max())
-      accessor.fail("makes more vertices than a mesh may have");
-    for (std::size_t i = 0; i < numbers.size(); i += 3) vertices.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  // The positions of an accessor. Primitives and meshes may share it, and each use a part of it.
+  struct Positions {
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    std::vector<float> points;  // three numbers each
+    std::vector<std::uint32_t> vertex_of_point, known;
+
+    // The number of a point's vertex in the mesh that is being read.
+    std::uint32_t vertex(std::uint32_t point, std::vector<Vec3>& vertices) {
+      std::uint32_t& vertex = vertex_of_point[point];
+      if (vertex == kNone) {
+        vertex = static_cast<std::uint32_t>(vertices.size()), known.push_back(point);
+        vertices.push_back({points[3 * point], points[3 * point + 1], points[3 * point + 2]});
+      }
+      return vertex;
+    }
+    void forget_vertices() {
+      for (const std::uint32_t point : known) vertex_of_point[point] = kNone;
+      known.clear();
+    }
+  };
+
+  Positions& positions_of(const JsonCursor& primitive, const JsonCursor& index) {
+    const auto [known, is_new] = positions_.try_emplace(index.natural());
+    Positions& positions = known->second;
+    if (!is_new) return positions;
+    const JsonCursor accessor = entry("accessors", index);
+    if (extension(primitive, "KHR_draco_mesh_compression") && !accessor.find("bufferView"))
+      primitive.fail("is compressed by KHR_draco_mesh_compression, which is not supported; export the scene without it");
+    positions.points = buffers_.floats(accessor, 3);
+    positions.vertex_of_point.assign(positions.points.size() / 3, Positions::kNone);
+    return positions;
   }
 
   // The vertices that a primitive names, or all of them in their order.
-  std::vector<std::uint32_t> corners(const JsonCursor& primitive, std::uint64_t mode, std::uint64_t vertices) {
+  std::vector<std::uint32_t> corners_of(const JsonCursor& primitive, std::uint64_t mode, std::uint64_t vertices) {
     const auto index = primitive.find("indices");
     std::vector<std::uint32_t> corners(index ? 0 : vertices);
     if (index)
@@ -325,26 +326,29 @@ class GltfReader {
   void add_camera(const JsonCursor& node, const JsonCursor& index, const NodeMap& map) {
     const JsonCursor camera = entry("cameras", index);
     const auto lens = camera.find("perspective");
+    const Vec3d eye = map.translation(), ahead = map.vector({0, 0, -1}), up = map.vector({0, 1, 0});
     if (!lens) return;  // orthographic
-    const Vec3d eye = map.translation();
+    const JsonCursor yfov = (*lens)["yfov"];
+    if (!(yfov.number() > 0 && yfov.number() < std::numbers::pi)) yfov.fail("must lie between 0 and pi");
     CameraDescription result;
     result.eye = eye.to_float();
-    result.at = (eye + normalized(map.vector({0, 0, -1})) * std::fmax(1.0, length(eye))).to_float();
-    result.up = normalized(map.vector({0, 1, 0})).to_float();
-    result.vfov_degrees = static_cast<float>((*lens)["yfov"].number() * (180 / std::numbers::pi));
+    result.at = (eye + normalized(ahead) * std::fmax(1.0, length(eye))).to_float();
+    result.up = normalized(up).to_float();
+    result.vfov_degrees = static_cast<float>(yfov.number() * (180 / std::numbers::pi));
     result.name = "camera " + std::to_string(cameras_.size() + 1);
     for (const JsonCursor& named : {camera, node})
       if (const auto name = named.find("name")) result.name = name->text();
-    if (const Status valid = validate(result); !valid) camera.fail(valid.message());
+    if (const Status valid = validate(result); !valid) node.fail("its camera cannot be used: " + valid.message());
     cameras_.push_back(std::move(result));
   }
 
-  void add_light(const JsonCursor& index, const NodeMap& map) {
+  void add_light(const JsonCursor& node, const JsonCursor& index, const NodeMap& map) {
     const auto lights = extension(document_, "KHR_lights_punctual");
     if (!lights) return index.fail("names a light, but the file has none");
     const JsonCursor list = (*lights)["lights"], light = list[index.natural_below(list.size())];
     if (light["type"].text() == "directional") return;
     light_ = LightDescription{.center = map.translation().to_float(), .half_u = {}, .half_v = {}};
+    if (!in_range(light_->center)) node.fail("its light is too far away");
   }
 
   Result<SceneData> put_together() {
@@ -352,25 +356,31 @@ class GltfReader {
     for (const TriangleMesh& mesh : meshes_) own += mesh.size();
     for (const Instance& instance : instances_) placed += meshes_[instance.mesh].size();
     SceneData scene;
-    if (instances_.size() == 1 && instances_[0].transform == Affine{}) {
-      scene.mesh = meshes_[0];
-      return scene;
+    if (placed >= kLargeMesh && placed > kMostlyCopies * own) {
+      Result<InstancedMeshes> made = InstancedMeshes::make(std::move(meshes_), std::move(instances_));
+      if (!made) return made.error();
+      scene.instances = *std::move(made);
+    } else if (instances_.size() == 1 && instances_[0].transform == Affine{}) {
+      scene.mesh = meshes_[instances_[0].mesh];
+    } else {
+      Result<TriangleMesh> flat = flattened(meshes_, instances_);
+      if (!flat) return flat.error();
+      scene.mesh = *std::move(flat);
     }
-    if (placed >= kLargeMesh && placed > kMostlyCopies * own)
-      if (auto made = InstancedMeshes::make(meshes_, instances_)) {
-        scene.instances = *std::move(made);
-        return scene;
-      }
-    Result<TriangleMesh> flat = flattened(meshes_, instances_);
-    if (!flat) return flat.error();
-    scene.mesh = *std::move(flat);
     return scene;
   }
+
+  void tick() {
+    const double all = static_cast<double>(std::max<std::size_t>(count("meshes"), 1));
+    if (!ticker_.tick(static_cast<double>(meshes_.size()) / all)) throw FormatError{std::string(kInterrupted)};
+  }
+  static constexpr std::size_t kInstancesBetweenTicks = 4096;
 
   JsonCursor document_;
   GltfBuffers buffers_;
   ProgressTicker ticker_;
-  std::vector<bool> seen_;  // nodes
+  std::vector<bool> seen_;                        // nodes
+  std::map<std::uint64_t, Positions> positions_;  // by accessor
   std::vector<TriangleMesh> meshes_;
   std::map<std::uint64_t, std::uint32_t> mesh_numbers_;  // by number in the file
   std::vector<Instance> instances_;
@@ -385,11 +395,13 @@ Result<SceneData> parse_gltf(std::span<const std::byte> bytes, const std::string
   const Result<nlohmann::json> document = parse_json(container.json, name);
   if (!document) return document.error();
   const JsonCursor root(*document);
-  GltfBuffers buffers(root, container.binary, std::filesystem::path(name).parent_path(), options.progress);
+  GltfBuffers buffers(root, bytes.size(), container.binary, std::filesystem::path(name).parent_path(), options.progress);
   Result<SceneData> scene = GltfReader(root, std::move(buffers), options).read();
   return scene ? std::move(scene) : Error{name + ": " + scene.message()};
 } catch (const FormatError& error) {
   return Error{error.message == kInterrupted ? error.message : name + ": " + error.message};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading a glTF file");
 }
 
 }  // namespace accel

@@ -3,14 +3,19 @@
 // Both containers, .gltf (JSON) and .glb, are told apart by their first bytes. Read is the scene that the file names, its first
 // one where it names none, or all nodes where it has no scenes. Nodes are visited depth first in the order of the file, and the
 // triangles of a node's mesh are those of its primitives, one after the other: lists, strips and fans, with or without indices.
-// Points and lines are passed over, and so are materials, textures, skins, morph targets and animations: the scene is as
-// modelled. Positions are rounded once, when they are placed in the world; the transforms of nodes are multiplied in double.
+// Points, lines and what a scale of zero hides are passed over, and so are materials, textures, morph targets, animations, and
+// skins, whose meshes stay where their nodes are: the scene is as modelled. The transforms of nodes are multiplied in double
+// and rounded to floats, and so is each position that they place.
 //
 // Meshes that many nodes place (or EXT_mesh_gpu_instancing) are kept as instances where one mesh would be large and mostly
-// copies; below that, one mesh is faster to trace. prim_ids are the same either way. What has no inverse is never an instance.
+// copies; below that, one mesh is faster to trace. prim_ids are the same either way. Instances need transforms that have an
+// inverse (geometry/instanced_meshes.h).
 //
-// Of the extensions that a file requires, those that concern neither positions nor indices are passed over; known are
+// Of the extensions that a file requires, those of materials, textures and the like are passed over; known are
 // KHR_mesh_quantization, EXT_mesh_gpu_instancing and KHR_lights_punctual; others, compressed meshes among them, are errors.
+//
+// A file of few bytes may name the same numbers any number of times. It may make no more than kMostPerByte triangles and
+// instances for each byte that it has.
 //
 // Errors name the file and the way to the value, as in "scene.gltf: accessors[3].count: must be a number".
 #pragma once

@@ -12,9 +12,6 @@
 namespace accel {
 namespace {
 
-// Elements of an accessor that looks at no view are zeros, which no bytes of the file stand for.
-constexpr std::size_t kMostZeros = 1 << 16;
-
 // Of numbers, by the names that OpenGL gives them.
 enum class Component : std::uint16_t { byte = 5120, unsigned_byte, short_, unsigned_short, unsigned_int = 5125, float_ };
 
@@ -36,6 +33,13 @@ Component component_of(const JsonCursor& holder) {
   const std::uint64_t number = type.natural();
   if (number < 5120 || number > 5126 || number == 5124) type.fail(std::to_string(number) + " is no type of numbers");
   return static_cast<Component>(number);
+}
+
+Component unsigned_component_of(const JsonCursor& holder) {
+  const Component component = component_of(holder);
+  if (component != Component::unsigned_byte && component != Component::unsigned_short && component != Component::unsigned_int)
+    holder["componentType"].fail("must be an unsigned integer here");
+  return component;
 }
 
 // The spec's section 3.11: integers as fractions of the largest, and not below -1.
@@ -65,7 +69,7 @@ std::vector<std::byte> decode_base64(const JsonCursor& uri, std::string_view tex
   std::uint32_t bits = 0, count = 0;
   for (const char c : text) {
     const std::uint8_t value = value_of[static_cast<std::uint8_t>(c)];
-    if (value == 0xff) uri.fail("'" + std::string(1, c) + "' is no digit of base64");
+    if (value == 0xff) uri.fail("holds a character that is no digit of base64");
     bits = bits << 6 | value, count += 6;
     if (count < 8) continue;
     count -= 8;
@@ -99,17 +103,13 @@ struct GltfBuffers::Elements {
 
   std::size_t size() const { return components * size_of(component); }
 
-  // visit(i, k, number) for number k of element i.
-  template <class T, class Visit>
-  void for_each(const Visit& visit) const {
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t k = 0; k < components; ++k) visit(i, k, load<T>(first + i * stride + k * sizeof(T)));
-  }
   // The elements as numbers of type To.
   template <class To>
   void copy_to(To* to) const {
     const auto copy = [&]<class From>(From) {
-      for_each<From>([&](std::size_t i, std::size_t k, From x) { to[i * components + k] = converted<To>(x, normalized); });
+      for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t k = 0; k < components; ++k)
+          *to++ = converted<To>(load<From>(first + i * stride + k * sizeof(From)), normalized);
     };
     switch (component) {
       case Component::byte:
@@ -141,7 +141,7 @@ InputBytes GltfBuffers::fetch(const JsonCursor& uri) const {
   }
   const std::filesystem::path file = percent_decoded(text);
   if (file.is_absolute() || text.find(':') < text.find('/'))
-    uri.fail("'" + text.substr(0, 80) + "' is not relative to the scene's folder: other addresses are not followed");
+    uri.fail(uri.quoted() + " is no relative address: others are not followed");
   const Result<InputBytes> input = read_input(folder_ / file, progress_);
   if (!input && input.message() == kInterrupted) throw FormatError{input.message()};
   if (!input) uri.fail(input.message());
@@ -161,6 +161,7 @@ std::span<const std::byte> GltfBuffers::buffer(std::size_t index) {
     if (const std::uint64_t stated = buffer["byteLength"].natural(); stated > fetched->bytes.size())
       buffer.fail("is stated to have " + std::to_string(stated) + " bytes, but there are " +
                   std::to_string(fetched->bytes.size()));
+    if (buffer.find("uri")) bytes_ += fetched->bytes.size();
   }
   return fetched_[index]->bytes;
 }
@@ -197,8 +198,8 @@ GltfBuffers::Elements GltfBuffers::elements(const JsonCursor& accessor, std::siz
   if (const auto normalized = accessor.find("normalized")) e.normalized = normalized->boolean();
   if (accessor.find("bufferView"))
     place(accessor, e);
-  else if (e.count > kMostZeros)
-    accessor["count"].fail("is " + std::to_string(e.count) + ", but there is no bufferView to hold so many elements");
+  else
+    charge(e.count, accessor);
   return e;
 }
 
@@ -213,8 +214,7 @@ std::vector<T> GltfBuffers::numbers(const JsonCursor& accessor, const Elements& 
   const std::uint64_t count = (*sparse)["count"].natural();
   if (count == 0 || count > e.count) (*sparse)["count"].fail("must be from 1 to the accessor's count");
   const JsonCursor places = (*sparse)["indices"], values = (*sparse)["values"];
-  Elements which{component_of(places), 1, count}, what = e;
-  if (which.component == Component::float_) places.fail("must be integers");
+  Elements which{unsigned_component_of(places), 1, count}, what = e;
   place(places, which), what.count = count, place(values, what);
   std::vector<std::uint32_t> at(count);
   which.copy_to(at.data());
@@ -235,10 +235,15 @@ std::vector<float> GltfBuffers::floats(const JsonCursor& accessor, std::size_t c
 
 std::vector<std::uint32_t> GltfBuffers::indices(const JsonCursor& accessor) {
   const Elements e = elements(accessor, 1);
-  if (e.component != Component::unsigned_byte && e.component != Component::unsigned_short &&
-      e.component != Component::unsigned_int)
-    accessor["componentType"].fail("must be an unsigned integer here");
+  unsigned_component_of(accessor);
   return numbers<std::uint32_t>(accessor, e);
+}
+
+void GltfBuffers::charge(std::uint64_t count, const JsonCursor& who) {
+  if (count > kMostPerByte * bytes_ - std::min(charged_, kMostPerByte * bytes_))
+    who.fail("names the same numbers, or zeros, so often that a file of " + std::to_string(bytes_) +
+             " bytes would fill the memory");
+  charged_ += count;
 }
 
 }  // namespace accel

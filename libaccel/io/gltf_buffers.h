@@ -4,7 +4,8 @@
 // binary chunk of a .glb, a data URI, or a file named relative to the scene's folder, mapped. Elements may lie interleaved;
 // sparse accessors are resolved; integers are converted, and divided where they are normalised (KHR_mesh_quantization).
 //
-// Every range is compared with what there is before anything is allocated. Mistakes are FormatErrors.
+// Every range is compared with what there is before anything is allocated. What costs no bytes, zeros of accessors without a
+// view, and what can be named again and again, is charged to the bytes of the file. Mistakes are FormatErrors.
 #pragma once
 
 #include <cstddef>
@@ -19,17 +20,22 @@
 
 namespace accel {
 
+inline constexpr std::uint64_t kMostPerByte = 16;
+
 class GltfBuffers {
  public:
-  // `binary` is a .glb's binary chunk, if there is one; `folder` is where files are.
-  GltfBuffers(const JsonCursor& document, std::optional<std::span<const std::byte>> binary, std::filesystem::path folder,
-              const Progress& progress)
-      : document_(document), binary_(binary), folder_(std::move(folder)), progress_(progress) {}
+  // `bytes` is the size of the file, `binary` a .glb's binary chunk, if there is one; `folder` is where other files are.
+  GltfBuffers(const JsonCursor& document, std::uint64_t bytes, std::optional<std::span<const std::byte>> binary,
+              std::filesystem::path folder, const Progress& progress)
+      : document_(document), bytes_(bytes), binary_(binary), folder_(std::move(folder)), progress_(progress) {}
 
   // An accessor's elements, of so many numbers each (3 or 4), one after the other.
   std::vector<float> floats(const JsonCursor& accessor, std::size_t components);
   // An accessor's elements, which are single numbers.
   std::vector<std::uint32_t> indices(const JsonCursor& accessor);
+
+  // Charges so many things to the bytes that have been read; fails for `who` where these are too few.
+  void charge(std::uint64_t count, const JsonCursor& who);
 
  private:
   struct Elements;
@@ -42,6 +48,7 @@ class GltfBuffers {
   InputBytes fetch(const JsonCursor& uri) const;
 
   JsonCursor document_;
+  std::uint64_t bytes_, charged_ = 0;
   std::optional<std::span<const std::byte>> binary_;
   std::filesystem::path folder_;
   const Progress& progress_;

@@ -82,6 +82,13 @@ const std::string& JsonCursor::text() const {
   return value_->get_ref<const std::string&>();
 }
 
+std::string JsonCursor::quoted() const {
+  constexpr std::size_t kMost = 60;
+  std::string beginning = text().substr(0, kMost);
+  for (char& c : beginning) c = c >= ' ' && c <= '~' ? c : '?';
+  return "'" + beginning + (text().size() > kMost ? "..." : "") + "'";
+}
+
 bool JsonCursor::boolean() const {
   if (!value_->is_boolean()) fail("must be true or false");
   return value_->get<bool>();

@@ -40,6 +40,7 @@ class JsonCursor {
   std::uint64_t natural() const;                           // at most 2^53, as JSON's numbers are doubles for many writers
   std::uint64_t natural_below(std::uint64_t bound) const;  // an index: of a list, for one
   const std::string& text() const;
+  std::string quoted() const;  // the text's beginning in quotes, printable: for messages
   bool boolean() const;
 
   const std::string& path() const { return path_; }  // as in "nodes[3].mesh"; empty for the document

@@ -10,6 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!scene) return fuzz::require(!scene.message().empty(), "an error without a message"), 0;
   for (const CameraDescription& camera : scene->cameras)
     fuzz::require(validate(camera).ok(), "a camera that cannot be used: " + camera.name);
+  if (scene->light) fuzz::require(in_range(scene->light->center), "a light that is nowhere");
+  if (scene->instances) fuzz::check_mesh(scene->one_mesh());
   fuzz::check_mesh(scene->mesh);
   return 0;
 }

@@ -243,10 +243,12 @@ TEST_F(GltfTest, ManyCopiesOfALargeMeshAreInstances) {
   EXPECT_EQ(many.triangles().size(), 60u * kTriangles);
   EXPECT_EQ(many.triangles().triangle(31 * kTriangles + 7).v1, (Vec3{32, 0, 0}));
   EXPECT_FALSE(scene(large(copies(50, R"({"mesh": 0})"))).instances) << "fewer triangles than a large mesh";
-  const SceneData singular = scene(large(copies(60, R"({"mesh": 0, "scale": [1, 1, 0]})")));
-  EXPECT_FALSE(singular.instances);
-  EXPECT_EQ(singular.mesh.size(), 60u * kTriangles);
-  EXPECT_EQ(singular.mesh.triangle(31 * kTriangles + 7).v1, (Vec3{32, 0, 0}));
+  const SceneData hidden = scene(large(copies(60, R"({"mesh": 0, "scale": [0, 0, 0]})")));
+  ASSERT_TRUE(hidden.instances);
+  EXPECT_EQ(hidden.triangles().size(), 59u * kTriangles);
+  const Result<SceneData> singular = parsed(large(copies(60, R"({"mesh": 0, "scale": [1, 1, 0]})")));
+  ASSERT_FALSE(singular);
+  EXPECT_NE(singular.message().find("instance 1: its transform is singular"), std::string::npos) << singular.message();
 }
 
 TEST_F(GltfTest, InstancesByAccessors) {
@@ -256,6 +258,21 @@ TEST_F(GltfTest, InstancesByAccessors) {
   const SceneData six = scene(text, kSix + kFirstSecond);
   ASSERT_EQ(six.mesh.size(), 12u);
   EXPECT_EQ(six.mesh.triangle(3).v0, (Vec3{1, 0, 3}));
+
+  // Turned by normalised bytes, half a turn about z; and scaled by the vertices.
+  const std::string turned =
+      replaced(replaced(replaced(text, R"("TRANSLATION": 0)", R"("ROTATION": 2, "SCALE": 0)"), R"("type": "SCALAR"})",
+                        R"("type": "SCALAR"}, {"componentType": 5120, "normalized": true, "count": 6, "type": "VEC4", "sparse":
+                  {"count": 6, "indices": {"bufferView": 1, "componentType": 5123}, "values": {"bufferView": 2}}})"),
+               R"({"buffer": 0, "byteOffset": 72, "byteLength": 12})",
+               R"({"buffer": 0, "byteOffset": 72, "byteLength": 12}, {"buffer": 0, "byteOffset": 84, "byteLength": 24})");
+  std::string turns;
+  for (int i = 0; i < 6; ++i) turns += bytes_of<std::int8_t>({0, 0, 127, 0});
+  const SceneData scaled = scene(replaced(turned, R"("byteLength": 84)", R"("byteLength": 108)"), kSix + kFirstSecond + turns);
+  ASSERT_EQ(scaled.mesh.size(), 12u);
+  EXPECT_EQ(scaled.mesh.triangle(8).v1, (Vec3{-1, 0, 1}));
+  EXPECT_EQ(scaled.mesh.triangle(9).v2, (Vec3{0, 0, 5}));
+  file("a.bin", kSix + kFirstSecond);
   const Result<SceneData> uneven =
       parsed(replaced(replaced(text, R"("TRANSLATION": 0)", R"("TRANSLATION": 0, "SCALE": 2)"), R"("type": "SCALAR"})",
                       R"("type": "SCALAR"}, {"bufferView": 0, "componentType": 5126, "count": 5, "type": "VEC3"})"));
@@ -271,9 +288,10 @@ TEST_F(GltfTest, MistakesAreNamed) {
     const char* message;
   } mistakes[] = {
       {R"("asset": {"version": "2.0"}, )", "", "asset is missing"},
-      {R"("version": "2.0")", R"("version": "1.0")", "asset.version: is 1.0; only glTF 2.0 can be read"},
+      {R"("version": "2.0")", R"("version": "1.0")", "asset.version: is '1.0'; only glTF 2.0 can be read"},
       {R"("scene": 0)", R"("extensionsRequired": ["KHR_draco_mesh_compression"])",
-       "requires the extension KHR_draco_mesh_compression"},
+       "requires the extension 'KHR_draco_mesh_compression'"},
+      {R"("version": "2.0")", R"("version": "2.0", "minVersion": "2.1")", "asset.minVersion: is '2.1'; only glTF 2.0"},
       {R"("scene": 0)", R"("scene": 1)", "scene: is 1, but there are 1"},
       {R"("nodes": [0])", R"("nodes": [0, 0])", "nodes[0]: is reached twice"},
       {R"({"mesh": 0})", R"({"mesh": 0, "children": [0]})", "nodes[0]: is reached twice"},
@@ -295,14 +313,14 @@ TEST_F(GltfTest, MistakesAreNamed) {
       {R"("count": 6, "type": "VEC3")", R"("count": 5, "type": "VEC3")", "meshes[0].primitives[0]: names vertex 5 of 5"},
       {R"("count": 6, "type": "SCALAR")", R"("count": 5, "type": "SCALAR")", "has 5 corners, which is no multiple of three"},
       {R"("bufferView": 0, "componentType": 5126, "count": 6)", R"("componentType": 5126, "count": 65537)",
-       "accessors[0].count: is 65537, but there is no bufferView"},
+       "accessors[0]: names the same numbers, or zeros, so often that"},
       {R"("byteLength": 72})", R"("byteLength": 72, "byteStride": 8})", "its elements overlap"},
       {R"("byteOffset": 72)", R"("byteOffset": 90)", "bufferViews[1]: goes beyond the end of its buffer"},
       {R"("byteLength": 84)", R"("byteLength": 85)", "buffers[0]: is stated to have 85 bytes, but there are 84"},
       {R"("uri": "a.bin")", R"("uri": "b.bin")", "b.bin: cannot open"},
-      {R"("uri": "a.bin")", R"("uri": "http://host/a.bin")", "other addresses are not followed"},
-      {R"("uri": "a.bin")", R"("uri": "/etc/passwd")", "other addresses are not followed"},
-      {R"("uri": "a.bin")", R"("uri": "data:;base64,AA*A")", "'*' is no digit of base64"},
+      {R"("uri": "a.bin")", R"("uri": "http://host/a.bin")", "others are not followed"},
+      {R"("uri": "a.bin")", R"("uri": "/etc/passwd")", "others are not followed"},
+      {R"("uri": "a.bin")", R"("uri": "data:;base64,AA*A")", "a character that is no digit of base64"},
       {R"(, "uri": "a.bin")", "", "buffers[0]: has no uri"},
       {R"("buffers": [)", R"("buffers": [1)", "is not valid JSON"},
   };
@@ -313,6 +331,50 @@ TEST_F(GltfTest, MistakesAreNamed) {
     EXPECT_NE(result.message().find(message), std::string::npos) << result.message();
     EXPECT_NE(result.message().find("a.gltf"), std::string::npos) << result.message();
   }
+}
+
+// Found by a review: small files that made gigabytes.
+TEST_F(GltfTest, NumbersThatAreNamedAgainAndAgain) {
+  std::string primitive = R"({"attributes": {"POSITION": 0}, "indices": 1})", primitives = primitive;
+  for (int i = 0; i < 4000; ++i) primitives += ", " + primitive;
+  file("a.bin", kSix + kFirstSecond);
+  EXPECT_EQ(scene(replaced(kPlain, primitive, primitives)).mesh.size(), 8002u) << "two triangles in some 40 bytes";
+  // A strip of a thousand triangles for each such entry.
+  std::string corners;
+  for (int i = 0; i < 1000; ++i) corners += static_cast<char>(i % 6);
+  file("a.bin", kSix + corners);
+  const std::string strips = replaced(
+      replaced(replaced(kPlain, "5123, \"count\": 6", "5121, \"count\": 1000"), "\"byteLength\": 12", "\"byteLength\": 1000"),
+      "\"byteLength\": 84", "\"byteLength\": 1072");
+  primitive = R"({"attributes": {"POSITION": 0}, "mode": 5, "indices": 1})", primitives = primitive;
+  for (int i = 0; i < 4000; ++i) primitives += ", " + primitive;
+  const Result<SceneData> many = parsed(replaced(strips, R"({"attributes": {"POSITION": 0}, "indices": 1})", primitives));
+  ASSERT_FALSE(many);
+  EXPECT_NE(many.message().find("names the same numbers, or zeros, so often that"), std::string::npos) << many.message();
+}
+
+TEST_F(GltfTest, TheOneInstanceThereIsNeedNotBeOfTheFirstMesh) {
+  const std::string two = replaced(replaced(kPlain, R"("meshes": [)", R"("meshes": [{"primitives": []}, )"), R"({"mesh": 0})",
+                                   R"({"mesh": 0, "scale": [0, 0, 0]}, {"mesh": 1})");
+  expect_triangles(scene(replaced(two, R"("nodes": [0])", R"("nodes": [0, 1])"), kSix + kFirstSecond).mesh, kBoth);
+}
+
+TEST_F(GltfTest, CamerasAndLightsThatCannotBeUsed) {
+  file("a.bin", kSix + kFirstSecond);
+  const std::string cameras = R"("cameras": [{"perspective": {"yfov": 1}}, {"perspective": {"yfov": 4}}], "extensions":
+      {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}, "nodes": [{"mesh": 0}])";
+  const auto with = [&](const std::string& node) {
+    return replaced(replaced(kPlain, R"("nodes": [{"mesh": 0}])", cameras), R"({"mesh": 0})", node);
+  };
+  EXPECT_EQ(scene(with(R"({"camera": 0, "scale": [0, 0, 0]})")).cameras.size(), 0u);
+  EXPECT_EQ(parsed(with(R"({"camera": 1})")).message(),
+            (folder() / "a.gltf").string() + ": cameras[1].perspective.yfov: must lie between 0 and pi");
+  EXPECT_NE(parsed(with(R"({"camera": 0, "scale": [1, 0, 1]})")).message().find("nodes[0]: its camera cannot be used"),
+            std::string::npos);
+  EXPECT_NE(parsed(with(R"({"translation": [1e39, 0, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}})"))
+                .message()
+                .find("nodes[0]: its light is too far away"),
+            std::string::npos);
 }
 
 TEST_F(GltfTest, DeepTreesOfNodes) {
