@@ -1,14 +1,9 @@
 #include "libaccel/io/gltf.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <limits>
-#include <map>
 #include <numbers>
-#include <numeric>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,6 +11,7 @@
 #include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/vec3d.h"
 #include "libaccel/io/gltf_buffers.h"
+#include "libaccel/io/gltf_meshes.h"
 #include "libaccel/io/gltf_node_map.h"
 #include "libaccel/io/json_cursor.h"
 #include "libaccel/io/load_bytes.h"
@@ -64,25 +60,6 @@ Container open_container(std::span<const std::byte> bytes) {
   return container;
 }
 
-std::optional<JsonCursor> extension(const JsonCursor& holder, const char* name) {
-  const auto extensions = holder.find("extensions");
-  return extensions ? extensions->find(name) : std::nullopt;
-}
-
-// Triangles of a primitive, by the numbers that OpenGL gives to its modes; other modes have none.
-constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
-
-void add_triangles(std::uint64_t mode, std::span<const std::uint32_t> corners, std::vector<IndexTriple>& triangles) {
-  if (corners.size() < 3) return;
-  if (mode == kTriangles)
-    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
-  else if (mode == kStrip)  // every other triangle is turned, so that all have the same side in front
-    for (std::size_t i = 0; i + 2 < corners.size(); ++i)
-      triangles.push_back({corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
-  else
-    for (std::size_t i = 1; i + 1 < corners.size(); ++i) triangles.push_back({corners[i], corners[i + 1], corners[0]});
-}
-
 // An attribute of instances, which may not be there.
 class InstanceColumn {
  public:
@@ -107,8 +84,8 @@ class InstanceColumn {
 
 class GltfReader {
  public:
-  GltfReader(const JsonCursor& document, GltfBuffers buffers, const LoadOptions& options)
-      : document_(document), buffers_(std::move(buffers)), ticker_(options.progress, "read") {}
+  GltfReader(const JsonCursor& document, GltfBuffers& buffers, const LoadOptions& options)
+      : document_(document), buffers_(buffers), ticker_(options.progress, "read"), meshes_(document, buffers, ticker_) {}
 
   Result<SceneData> read() {
     check_version();
@@ -201,14 +178,14 @@ class GltfReader {
   void visit(const JsonCursor& node, const NodeMap& map) {
     if (map.is_point()) return;  // a scale of zero hides a node: section 3.5.3
     if (const auto mesh = node.find("mesh")) {
-      const std::uint32_t number = mesh_number(*mesh);
-      if (const auto instancing = extension(node, "EXT_mesh_gpu_instancing"))
+      const std::uint32_t number = meshes_.number_of(*mesh);
+      if (const auto instancing = gltf_extension(node, "EXT_mesh_gpu_instancing"))
         place_many((*instancing)["attributes"], number, map);
       else
         place(node, number, map);
     }
     if (const auto camera = node.find("camera")) add_camera(node, *camera, map);
-    const auto light = extension(node, "KHR_lights_punctual");
+    const auto light = gltf_extension(node, "KHR_lights_punctual");
     if (light && !light_) add_light(node, (*light)["light"], map);
   }
 
@@ -220,7 +197,7 @@ class GltfReader {
   void place_many(const JsonCursor& attributes, std::uint32_t mesh, const NodeMap& map) {
     const auto column = [&](const char* key, std::vector<double> otherwise) {
       return InstanceColumn(attributes, key, std::move(otherwise), [&](const JsonCursor& index, std::size_t n) {
-        return buffers_.floats(entry("accessors", index), n);
+        return buffers_.floats(gltf_entry(document_, "accessors", index), n);
       });
     };
     const InstanceColumn shifts = column("TRANSLATION", {0, 0, 0}), turns = column("ROTATION", {0, 0, 0, 1}),
@@ -233,98 +210,13 @@ class GltfReader {
       const std::vector<double> turn = turns.at(i);
       if (is_zero(turn)) attributes["ROTATION"].fail("must not be zero");
       place(attributes, mesh, map * placed_by(shifts.at(i), turn, scales.at(i)));
-      if (i % kInstancesBetweenTicks == 0) tick();
+      if (i % kInstancesBetweenTicks == 0) meshes_.tick();
     }
-  }
-
-  // What an index names in one of the document's lists.
-  JsonCursor entry(const char* list, const JsonCursor& index) const {
-    const JsonCursor entries = document_[list];
-    return entries[index.natural_below(entries.size())];
-  }
-
-  // Each mesh that is placed is read once.
-  std::uint32_t mesh_number(const JsonCursor& index) {
-    const auto [known, is_new] = mesh_numbers_.try_emplace(index.natural(), static_cast<std::uint32_t>(meshes_.size()));
-    if (is_new) meshes_.push_back(read_mesh(entry("meshes", index)));
-    return known->second;
-  }
-
-  TriangleMesh read_mesh(const JsonCursor& mesh) {
-    std::vector<Vec3> vertices;
-    std::vector<IndexTriple> triangles;
-    std::vector<Positions*> used;
-    const JsonCursor primitives = mesh["primitives"];
-    for (std::size_t p = 0; p < primitives.size(); ++p) {
-      tick();
-      const JsonCursor primitive = primitives[p];
-      const auto given = primitive.find("mode"), position = primitive["attributes"].find("POSITION");
-      const std::uint64_t mode = given ? given->natural() : kTriangles;
-      if (mode < kTriangles || mode > kFan || !position) continue;
-      Positions& positions = positions_of(primitive, *position);
-      used.push_back(&positions);
-      std::vector<std::uint32_t> corners = corners_of(primitive, mode, positions.vertex_of_point.size());
-      buffers_.charge(mode == kTriangles ? corners.size() / 3 : corners.size(), primitive);
-      for (std::uint32_t& corner : corners) corner = positions.vertex(corner, vertices);
-      add_triangles(mode, corners, triangles);
-      if (triangles.size() > kMaxTriangles) mesh.fail("has more triangles than can be traced");
-    }
-    for (Positions* positions : used) positions->forget_vertices();
-    return {Buffer<Vec3>::copy_of(vertices), Buffer<IndexTriple>::copy_of(triangles)};
-  }
-
-  // The positions of an accessor. Primitives and meshes may share it, and each use a part of it.
-  struct Positions {
-    static constexpr std::uint32_t kNone = 0xffffffffu;
-    std::vector<float> points;  // three numbers each
-    std::vector<std::uint32_t> vertex_of_point, known;
-
-    // The number of a point's vertex in the mesh that is being read.
-    std::uint32_t vertex(std::uint32_t point, std::vector<Vec3>& vertices) {
-      std::uint32_t& vertex = vertex_of_point[point];
-      if (vertex == kNone) {
-        vertex = static_cast<std::uint32_t>(vertices.size()), known.push_back(point);
-        vertices.push_back({points[3 * point], points[3 * point + 1], points[3 * point + 2]});
-      }
-      return vertex;
-    }
-    void forget_vertices() {
-      for (const std::uint32_t point : known) vertex_of_point[point] = kNone;
-      known.clear();
-    }
-  };
-
-  Positions& positions_of(const JsonCursor& primitive, const JsonCursor& index) {
-    const auto [known, is_new] = positions_.try_emplace(index.natural());
-    Positions& positions = known->second;
-    if (!is_new) return positions;
-    const JsonCursor accessor = entry("accessors", index);
-    if (extension(primitive, "KHR_draco_mesh_compression") && !accessor.find("bufferView"))
-      primitive.fail("is compressed by KHR_draco_mesh_compression, which is not supported; export the scene without it");
-    positions.points = buffers_.floats(accessor, 3);
-    positions.vertex_of_point.assign(positions.points.size() / 3, Positions::kNone);
-    return positions;
-  }
-
-  // The vertices that a primitive names, or all of them in their order.
-  std::vector<std::uint32_t> corners_of(const JsonCursor& primitive, std::uint64_t mode, std::uint64_t vertices) {
-    const auto index = primitive.find("indices");
-    std::vector<std::uint32_t> corners(index ? 0 : vertices);
-    if (index)
-      corners = buffers_.indices(entry("accessors", *index));
-    else
-      std::iota(corners.begin(), corners.end(), 0u);
-    if (mode == kTriangles && corners.size() % 3 != 0)
-      primitive.fail("has " + std::to_string(corners.size()) + " corners, which is no multiple of three");
-    const auto largest = std::max_element(corners.begin(), corners.end());
-    if (largest != corners.end() && *largest >= vertices)
-      primitive.fail("names vertex " + std::to_string(*largest) + " of " + std::to_string(vertices) + ", counted from 0");
-    return corners;
   }
 
   // Looks down its node's z axis.
   void add_camera(const JsonCursor& node, const JsonCursor& index, const NodeMap& map) {
-    const JsonCursor camera = entry("cameras", index);
+    const JsonCursor camera = gltf_entry(document_, "cameras", index);
     const auto lens = camera.find("perspective");
     const Vec3d eye = map.translation(), ahead = map.vector({0, 0, -1}), up = map.vector({0, 1, 0});
     if (!lens) return;  // orthographic
@@ -343,7 +235,7 @@ class GltfReader {
   }
 
   void add_light(const JsonCursor& node, const JsonCursor& index, const NodeMap& map) {
-    const auto lights = extension(document_, "KHR_lights_punctual");
+    const auto lights = gltf_extension(document_, "KHR_lights_punctual");
     if (!lights) return index.fail("names a light, but the file has none");
     const JsonCursor list = (*lights)["lights"], light = list[index.natural_below(list.size())];
     if (light["type"].text() == "directional") return;
@@ -352,37 +244,32 @@ class GltfReader {
   }
 
   Result<SceneData> put_together() {
+    std::vector<TriangleMesh> meshes = meshes_.take();
     std::uint64_t own = 0, placed = 0;
-    for (const TriangleMesh& mesh : meshes_) own += mesh.size();
-    for (const Instance& instance : instances_) placed += meshes_[instance.mesh].size();
+    for (const TriangleMesh& mesh : meshes) own += mesh.size();
+    for (const Instance& instance : instances_) placed += meshes[instance.mesh].size();
     SceneData scene;
     if (placed >= kLargeMesh && placed > kMostlyCopies * own) {
-      Result<InstancedMeshes> made = InstancedMeshes::make(std::move(meshes_), std::move(instances_));
+      Result<InstancedMeshes> made = InstancedMeshes::make(std::move(meshes), std::move(instances_));
       if (!made) return made.error();
       scene.instances = *std::move(made);
     } else if (instances_.size() == 1 && instances_[0].transform == Affine{}) {
-      scene.mesh = meshes_[instances_[0].mesh];
+      scene.mesh = meshes[instances_[0].mesh];
     } else {
-      Result<TriangleMesh> flat = flattened(meshes_, instances_);
+      Result<TriangleMesh> flat = flattened(meshes, instances_);
       if (!flat) return flat.error();
       scene.mesh = *std::move(flat);
     }
     return scene;
   }
 
-  void tick() {
-    const double all = static_cast<double>(std::max<std::size_t>(count("meshes"), 1));
-    if (!ticker_.tick(static_cast<double>(meshes_.size()) / all)) throw FormatError{std::string(kInterrupted)};
-  }
   static constexpr std::size_t kInstancesBetweenTicks = 4096;
 
   JsonCursor document_;
-  GltfBuffers buffers_;
+  GltfBuffers& buffers_;
   ProgressTicker ticker_;
-  std::vector<bool> seen_;                        // nodes
-  std::map<std::uint64_t, Positions> positions_;  // by accessor
-  std::vector<TriangleMesh> meshes_;
-  std::map<std::uint64_t, std::uint32_t> mesh_numbers_;  // by number in the file
+  GltfMeshes meshes_;
+  std::vector<bool> seen_;  // nodes
   std::vector<Instance> instances_;
   std::vector<CameraDescription> cameras_;
   std::optional<LightDescription> light_;
@@ -396,7 +283,7 @@ Result<SceneData> parse_gltf(std::span<const std::byte> bytes, const std::string
   if (!document) return document.error();
   const JsonCursor root(*document);
   GltfBuffers buffers(root, bytes.size(), container.binary, std::filesystem::path(name).parent_path(), options.progress);
-  Result<SceneData> scene = GltfReader(root, std::move(buffers), options).read();
+  Result<SceneData> scene = GltfReader(root, buffers, options).read();
   return scene ? std::move(scene) : Error{name + ": " + scene.message()};
 } catch (const FormatError& error) {
   return Error{error.message == kInterrupted ? error.message : name + ": " + error.message};
