@@ -188,8 +188,7 @@ struct Flight {
   Pencil pencil;  // of Share::way_and_origin
   Way way;
   Share share;
-  NodeRef ref;  // what comes next: the occluder, a node or a leaf
-  bool is_at_occluder;
+  NodeRef ref;             // what comes next: a node or a leaf
   Active active;           // at `ref`
   std::uint32_t answered;  // rays
   std::size_t size;        // of the stack
@@ -242,10 +241,6 @@ HWY_NOINLINE bool go_on(const Bvh8View& view, Flight& f, Occluder& occluder) {
         if (more > occluder.stopped) occluder = {f.ref, more};
         f.answered += more;
         if (f.answered == f.packet.size) return false;
-        if (f.is_at_occluder) {
-          f.is_at_occluder = false, f.ref = view.root, f.active = Active::all(f.packet);
-          continue;
-        }
       }
     }
     const Bvh8Node* parent;
@@ -297,26 +292,43 @@ class Flights {
   }
 
  private:
-  // The batch's next packet, or part of a packet of more than kMostGroups. Returns false if there is none.
+  // The batch's next packet that the occluder does not stop as a whole. Returns false if there is none.
   HWY_INLINE bool begin(Flight& f) {
-    if (next_ == batch_.count) return false;
+    for (;;) {
+      if (next_ == batch_.count) return false;
+      const std::uint8_t face = load_next(f.packet);
+      f.answered = kQuery == Query::any ? ask_occluder(f.packet) : 0;
+      if (f.answered < f.packet.size) return begin(f, face), true;
+      store_answers(f.packet, answers_);
+    }
+  }
+
+  // The next packet, or part of a packet of more than kMostGroups. Returns its face.
+  HWY_INLINE std::uint8_t load_next(Packet& p) {
     const std::uint32_t packet = batch_.active[next_], first = batch_.packets[packet] + taken_;
     const std::uint32_t left = batch_.packets[packet + 1] - first,
                         size = std::min({left, kMostGroups * width(), kMaxPacketSize});
     taken_ = size < left ? taken_ + size : 0, next_ += size < left ? 0 : 1;
+    load_rays(batch_.rays, batch_.ids + first, size, faces_[first] >> 1, p);
+    if constexpr (kQuery == Query::any) p.reach = reach_of(p, bounds_);
+    return faces_[first];
+  }
 
-    load_rays(batch_.rays, batch_.ids + first, size, faces_[first] >> 1, f.packet);
-    if constexpr (kQuery == Query::any) f.packet.reach = reach_of(f.packet, bounds_);
-    f.frustum = frustum_of(f.packet, faces_[first], bounds_);
+  // Returns how many rays it stops. The packet's own best leaf takes its place.
+  HWY_INLINE std::uint32_t ask_occluder(Packet& p) {
+    if (!occluder_.is_promising(p)) return occluder_.stopped = 0;
+    const Active all = Active::all(p);
+    occluder_.stopped = p.has_one_origin ? intersect_leaf<kQuery, Share::way_and_origin>(view_.blocks, occluder_.leaf, all, p)
+                                         : intersect_leaf<kQuery, Share::nothing>(view_.blocks, occluder_.leaf, all, p);
+    return occluder_.stopped;
+  }
+
+  HWY_INLINE void begin(Flight& f, std::uint8_t face) {
+    f.frustum = frustum_of(f.packet, face, bounds_);
     f.way = way_of(f.packet, f.frustum.signs, from_far_end_);
     f.share = f.shared();
     if (f.share == Share::way_and_origin) f.pencil.begin(f.packet, f.frustum);
-    f.is_at_occluder = kQuery == Query::any && occluder_.is_promising(f.packet);
-    f.ref = f.is_at_occluder ? occluder_.leaf : view_.root;
-    occluder_.stopped = 0;
-    f.active = Active::all(f.packet);
-    f.answered = 0, f.size = 0;
-    return true;
+    f.ref = view_.root, f.active = Active::all(f.packet), f.size = 0;
   }
 
   HWY_INLINE bool go_on(Flight& f) {

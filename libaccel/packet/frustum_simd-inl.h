@@ -19,7 +19,7 @@ namespace accel {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Of rays that have been loaded, all of one face, in a scene within `bounds`.
+// Of rays that have been loaded, all of one face, in a scene within `bounds`; without those that have their answer.
 HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& bounds) {
   Frustum frustum{.face = face};
   const int axis = frustum.axis();
@@ -28,8 +28,7 @@ HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& b
   for (std::uint32_t i = 0; i < p.lanes; i += width()) {
     const Floats org = load(p.org[axis] + i), dir = load(p.dir[axis] + i);
     const Floats first = hn::Add(org, hn::Mul(dir, load(p.t_min + i))), last = hn::Add(org, hn::Mul(dir, load(p.t + i)));
-    // Lanes without a ray are beyond all others.
-    const auto is_ray = hn::Lt(load(p.t_min + i), set(kInfinity));
+    const auto is_ray = hn::Ge(load(p.t + i), set(0));
     nearest = hn::IfThenElse(is_ray, least(least(first, last), nearest), nearest);
     farthest = hn::IfThenElse(is_ray, most(most(first, last), farthest), farthest);
     for (int a = 0; a < 3; ++a)
