@@ -24,17 +24,18 @@ HWY_INLINE Frustum frustum_of(const Packet& p, std::uint32_t face, const Aabb& b
   Frustum frustum{.face = face};
   const int axis = frustum.axis();
   Floats nearest = set(kInfinity), farthest = set(-kInfinity);
-  std::size_t negative[3] = {};
+  std::size_t rays = 0, negative[3] = {};
   for (std::uint32_t i = 0; i < p.lanes; i += width()) {
     const Floats org = load(p.org[axis] + i), dir = load(p.dir[axis] + i);
     const Floats first = hn::Add(org, hn::Mul(dir, load(p.t_min + i))), last = hn::Add(org, hn::Mul(dir, load(p.t + i)));
     const auto is_ray = hn::Ge(load(p.t + i), set(0));
     nearest = hn::IfThenElse(is_ray, least(least(first, last), nearest), nearest);
     farthest = hn::IfThenElse(is_ray, most(most(first, last), farthest), farthest);
+    rays += hn::CountTrue(kFloats, is_ray);
     for (int a = 0; a < 3; ++a)
       negative[a] += hn::CountTrue(kFloats, hn::And(is_ray, hn::Lt(load(p.dir[a] + i), hn::Zero(kFloats))));
   }
-  for (int a = 0; a < 3; ++a) frustum.signs |= (2 * negative[a] > p.size ? 1u : 0u) << a;
+  for (int a = 0; a < 3; ++a) frustum.signs |= (2 * negative[a] > rays ? 1u : 0u) << a;
   const float begin = max_of(least_lane(nearest), bounds.lo[axis]), end = min_of(most_lane(farthest), bounds.hi[axis]);
 
   detail::Range first[2], last[2];
