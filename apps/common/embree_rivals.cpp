@@ -34,7 +34,8 @@ bool is_asked_for(const EmbreeTimed& timed, const std::vector<std::string>& name
 
 }  // namespace
 
-Outcome<std::vector<EmbreeRival>> make_rivals(EmbreeScenes& scenes, const TraceSettings& settings, std::vector<Skip>& skipped) {
+Outcome<std::vector<EmbreeRival>> make_rivals(EmbreeScenes& scenes, const TraceSettings& settings, Truth truth,
+                                              std::vector<Skip>& skipped) {
   std::vector<EmbreeRival> rivals;
   if (!EmbreeWitness::available()) {
     if (settings.embree.empty()) return rivals;
@@ -43,7 +44,7 @@ Outcome<std::vector<EmbreeRival>> make_rivals(EmbreeScenes& scenes, const TraceS
   if (settings.embree.empty() && settings.check != Check::embree) return rivals;
   for (const EmbreeTimed& timed : kEmbreeModes) {
     if (!is_asked_for(timed, settings.embree)) continue;
-    const auto scene = scenes.get(timed.mode, timed.quality, Truth::as_it_is);
+    const auto scene = scenes.get(timed.mode, timed.quality, truth);
     if (!scene) return scene.error();
     if (const Status possible = (*scene)->can(timed.calls); !possible) {
       const auto& names = settings.embree;

@@ -22,9 +22,10 @@ struct EmbreeRival {
 // Embree in one of its ways; the engine must not outlive the scene.
 Engine engine_of(const EmbreeTimed& timed, const validation::EmbreeWitness& scene, int threads);
 
-// Builds the scenes that are timed: none where neither the check nor --embree asks for Embree. Modes that this Embree does not
-// have for the scene are an error if named, and skipped with "all".
-Outcome<std::vector<EmbreeRival>> make_rivals(EmbreeScenes& scenes, const TraceSettings& settings, std::vector<Skip>& skipped);
+// Builds the scenes that are timed, of instances or of one mesh: none where neither the check nor --embree asks for Embree.
+// Modes that this Embree does not have for the scene are an error if named, and skipped with "all".
+Outcome<std::vector<EmbreeRival>> make_rivals(EmbreeScenes& scenes, const TraceSettings& settings, Truth truth,
+                                              std::vector<Skip>& skipped);
 
 // "Embree", "Embree/stream".
 std::string row_name(const EmbreeTimed& timed);

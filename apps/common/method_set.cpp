@@ -14,9 +14,14 @@ const MethodInfo& method_info(const std::string& name) {
   return *std::find_if(methods().begin(), methods().end(), [&](const MethodInfo& m) { return m.name == name; });
 }
 
+// Whether instances are kept apart when the user does not say. One mesh is faster to trace, as long as it is not too large.
+bool keeps_instances(const Scene& scene) {
+  return scene.data.instances && (scene.stored || scene.facts.triangles >= kLargeMesh);
+}
+
 // The method to use when the user does not say.
 std::string best_for(const Scene& scene) {
-  return best_method({.builder = scene.stored ? scene.stored->builder : "", .instances = scene.data.instances.has_value()});
+  return best_method({.builder = scene.stored ? scene.stored->builder : "", .instances = keeps_instances(scene)});
 }
 
 // Why "all" leaves a method out; empty if it does not.
@@ -38,6 +43,9 @@ std::vector<std::string> resolve(const Scene& scene, const TraceSettings& settin
   if (settings.methods.front() != "all") {
     for (const std::string& name : settings.methods) {
       const std::string actual = name != "best" ? name : best_for(scene);
+      if (name == "best" && scene.data.instances && !keeps_instances(scene))
+        skipped.push_back({"instances", "one mesh of " + counted(scene.facts.triangles, "triangle") +
+                                            " is faster to trace; --method instances/stack keeps them apart"});
       if (std::find(names.begin(), names.end(), actual) == names.end()) names.push_back(actual);
     }
     return names;

@@ -54,7 +54,8 @@ class TraceRun {
                        (row.build_seconds > 0 ? ", " + seconds_text(row.build_seconds) : ""));
     auto checker = Checker::create(scene_, settings_, embree_, bar_, report_.skipped);
     if (!checker) return checker.failure();
-    auto rivals = make_rivals(embree_, settings_, report_.skipped);
+    rival_truth_ = truth_of_rivals(*set, *checker);
+    auto rivals = make_rivals(embree_, settings_, rival_truth_, report_.skipped);
     if (!rivals) return rivals.failure();
     rivals_ = *std::move(rivals);
     describe_structures(*set, *checker);
@@ -104,6 +105,14 @@ class TraceRun {
     report_.checked_by = checker.description();
     report_.witness = checker.has_witness() ? embree_.name() : "";
     for (const EmbreeRival& rival : rivals_) rival_structures_.push_back(structure_row(*rival.scene));
+  }
+
+  // Embree has instances where one of the methods has, and else one mesh, as all of them.
+  static Truth truth_of_rivals(const MethodSet& set, const Checker& checker) {
+    const auto has_instances = [&](const MethodSet::Member& member) {
+      return checker.truth_of(member.accel.method()) == Truth::as_it_is;
+    };
+    return std::any_of(set.members.begin(), set.members.end(), has_instances) ? Truth::as_it_is : Truth::one_mesh;
   }
 
   // The row of an Embree scene, which modes may share.
@@ -192,7 +201,7 @@ class TraceRun {
       if (sorted) compare_orders(traced, (*measured)[engines_.size() + m], *sorted);
     }
     // A sweep has Embree on its plane, too.
-    const auto testimony = settings_.sweep ? testimony_for(Truth::as_it_is) : Outcome<const Answers*>(nullptr);
+    const auto testimony = settings_.sweep ? testimony_for(rival_truth_) : Outcome<const Answers*>(nullptr);
     if (!testimony) return testimony.failure();
     for (std::size_t r = 0; r < rivals_.size(); ++r)
       if (auto done = add_rival_row(r, *batch, (*measured)[first_rival + r], *testimony, checker); !done) return done;
@@ -339,7 +348,7 @@ class TraceRun {
     TraceRow row = row_of(of.engine.name, batch, measured, rival_structures_[rival]);
     row.embree = of.timed, row.promised = false;
     if (testimony != nullptr && !takes_tiles(*of.timed)) {
-      auto checked = checker.check(batch, Truth::as_it_is, measured.answers, *testimony, false);
+      auto checked = checker.check(batch, rival_truth_, measured.answers, *testimony, false);
       if (!checked) return checked.failure();
       row.check = *std::move(checked);
     }
@@ -442,6 +451,7 @@ class TraceRun {
   std::vector<Engine> engines_;  // one for each configuration
   EmbreeScenes embree_;
   std::vector<EmbreeRival> rivals_;
+  Truth rival_truth_ = Truth::as_it_is;
   std::vector<std::size_t> rival_structures_;  // their rows among the structures
   std::string pictured_kind_;                  // the kind of rays of the report's pictures; empty: there are none
 };

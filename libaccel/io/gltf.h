@@ -28,8 +28,7 @@
 
 namespace accel {
 
-// One mesh from so many triangles on is large, and mostly copies if it has so many times the triangles of all meshes.
-inline constexpr std::uint64_t kLargeMesh = 1 << 23, kMostlyCopies = 4;
+inline constexpr std::uint64_t kMostlyCopies = 4;
 
 // `name` is the file's: for messages, and to find the files that it names.
 Result<SceneData> parse_gltf(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options = {});

@@ -47,7 +47,7 @@ Result<std::string> find_method(std::string_view name);
 struct Purpose {
   std::string_view builder = {};  // who made the structure; empty, or the name of no builder: it is still to be built
   Query query = Query::closest;
-  bool instances = false;  // the scene is one of instances
+  bool instances = false;  // the scene is one of instances that are to be kept apart
 };
 
 // The method that the library recommends on this machine. For a builder's structure it is one of the builder's methods.

@@ -102,8 +102,10 @@ test_embree_modes() {
   fits_100_columns out
   expect 0 trace builtin:cornell; lacks out "x best"; lacks out Embree/
   expect 0 trace builtin:cornell --check none --rays random --embree packet8,high; says out Embree/packet8; lacks out robust
-  expect 0 trace builtin:forest:2000 --check none --rays shadow --embree all; says out Embree/packet8; says out "skipped: Embree/stream"
-  expect 5 trace builtin:forest:2000 --check none --rays shadow --embree stream; one_line_error
+  set -- builtin:forest:2000 --check none --rays shadow
+  expect 0 trace "$@" --method instances/stack --embree all; says out Embree/packet8; says out "skipped: Embree/stream"
+  expect 5 trace "$@" --method instances/stack --embree stream; one_line_error
+  expect 0 trace "$@" --embree stream; says out Embree/stream
 }
 
 test_embree_modes_in_json() {
@@ -335,7 +337,8 @@ test_grids() {
 test_instances() {
   expect 0 trace builtin:forest:3000 --method instances/stack,sbvh/stack --rays primary,diffuse,shadow,random,edge --explain
   says out instances/stack; says out "flattened to one mesh"; says out "triangles are stored, for"
-  expect 0 trace builtin:forest:3000; says out instances/stack
+  expect 0 trace builtin:forest:3000; says out bvh8/stream
+  says out "skipped: instances, because one mesh of 3,"; says out "--method instances/stack keeps them apart"
   expect 0 trace builtin:cornell --method all --check none; says out "the scene has no instances"
   expect 0 trace builtin:cornell --method instances/stack
 
