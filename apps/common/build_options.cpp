@@ -70,7 +70,7 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   CLI::App app(kDescription, "accel-build");
   BuildSettings settings;
   std::string structure, method;
-  app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf or .glb (or any .zst), or builtin:NAME[:size]")->type_name("");
+  app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf, .glb (or any .zst), or builtin:NAME[:size]")->type_name("");
   app.add_option("-o,--output", settings.output, "structure file to write, ending in .accel")
       ->type_name("FILE")
       ->group("Output");

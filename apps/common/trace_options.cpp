@@ -56,7 +56,7 @@ constexpr std::array<ScheduleName, 5> kSchedules = {{{"while-while", SimtSchedul
                                                      {"if-while", SimtSchedule::if_while}}};
 
 void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
-  app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf or .glb (or any .zst), .accel, or builtin:NAME[:size]")->type_name("");
+  app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf, .glb (or any .zst), .accel, or builtin:NAME[:size]")->type_name("");
   app.add_option("-m,--method", raw.methods, "methods (builder/traverser), best, or all")
       ->capture_default_str()
       ->type_name("NAME,...")
