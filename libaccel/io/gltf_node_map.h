@@ -22,7 +22,7 @@ struct NodeMap {
   }
   // Whether it takes everything to one point.
   bool is_point() const {
-    return std::all_of(&m[0][0], &m[0][0] + 12, [this](const double& x) { return x == 0 || (&x - &m[0][0]) % 4 == 3; });
+    return std::all_of(m, m + 3, [](const auto& row) { return row[0] == 0 && row[1] == 0 && row[2] == 0; });
   }
   Vec3d translation() const { return {m[0][3], m[1][3], m[2][3]}; }
   Affine rounded() const {

@@ -43,7 +43,7 @@ class JsonCursor {
   std::string quoted() const;  // the text's beginning in quotes, printable: for messages
   bool boolean() const;
 
-  const std::string& path() const { return path_; }  // as in "nodes[3].mesh"; empty for the document
+  // Behind the way to the value, as in "nodes[3].mesh: ...".
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -51,7 +51,7 @@ class JsonCursor {
   const nlohmann::json& object() const;
 
   const nlohmann::json* value_;
-  std::string path_;
+  std::string path_;  // empty for the document
 };
 
 }  // namespace accel
