@@ -32,12 +32,19 @@ StructureFacts facts_from(const Stats& stats) {
 }
 
 // Leaves and their depths are those of the trees over meshes.
-StructureFacts facts_of_kind(const TwoLevelBvh& bvh, const BuildOptions& options, Detail) {
-  const TwoLevelStats stats = two_level_stats(bvh, options.traversal_cost, options.intersection_cost);
+template <class Structure>
+StructureFacts facts_of_levels(const Structure& bvh, const BuildOptions& options) {
+  const auto stats = two_level_stats(bvh, options.traversal_cost, options.intersection_cost);
   StructureFacts facts = facts_from(stats.meshes);
   facts.sah_cost = stats.sah_cost;
   facts.depth = bvh.depth;
   return facts;
+}
+StructureFacts facts_of_kind(const TwoLevelBvh& bvh, const BuildOptions& options, Detail) {
+  return facts_of_levels(bvh, options);
+}
+StructureFacts facts_of_kind(const TwoLevelBvh8& bvh, const BuildOptions& options, Detail) {
+  return facts_of_levels(bvh, options);
 }
 
 StructureFacts facts_of_kind(const Bvh2& bvh, const BuildOptions& options, Detail detail) {

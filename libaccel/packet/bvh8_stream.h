@@ -106,7 +106,7 @@ class Bvh8StreamBatch {
     mutable std::atomic<StreamPlan> plan;
   };
   using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
-  static constexpr bool kIsTuned = kHasBvh8Simd<Bvh8Node, PaddedSlabs, Test>;
+  static constexpr bool kIsTuned = Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>::kIsTuned;
   static constexpr std::size_t kFewestRays = 0;
 
   // Larger blocks make better packets; of rays that make none, small ones keep all threads busy to the end.

@@ -14,6 +14,7 @@
 #include "libaccel/build/kdtree_sah.h"
 #include "libaccel/build/sbvh.h"
 #include "libaccel/build/triangle_list.h"
+#include "libaccel/build/wide_instances.h"
 #include "libaccel/build/wide_sbvh.h"
 #include "libaccel/core/type_list.h"
 #include "libaccel/packet/bvh2_breadth_first.h"
@@ -27,6 +28,7 @@
 #include "libaccel/trace/bvh2_skip.h"
 #include "libaccel/trace/bvh2_stack.h"
 #include "libaccel/trace/bvh2_uncle.h"
+#include "libaccel/trace/bvh8_instances.h"
 #include "libaccel/trace/bvh8_ordered.h"
 #include "libaccel/trace/grid_dda.h"
 #include "libaccel/trace/instances_hash.h"
@@ -67,7 +69,8 @@ using Methods = TypeList<                         //
     Method<KdTreeSah, KdTreeShortStack>,          // kdtree/short-stack
     Method<KdTreeSah, KdTreeRopes>,               // kdtree/ropes
     Method<InstanceBuilder, InstancesStack>,      // instances/stack
-    Method<InstanceBuilder, InstancesHash>        // instances/hash
+    Method<InstanceBuilder, InstancesHash>,       // instances/hash
+    Method<WideInstances, Bvh8Instances>          // bvh8-instances/ordered
     >;
 
 }  // namespace accel

@@ -43,6 +43,8 @@ struct alignas(64) TwoLevelInstance {
 static_assert(sizeof(TwoLevelInstance) == 64 && std::is_trivially_copyable_v<TwoLevelInstance>);
 
 struct TwoLevelView {
+  using Tree = Bvh2View;
+
   const Bvh2Node* nodes = nullptr;
   const LeafQuad* leaves = nullptr;
   const TwoLevelTree* trees = nullptr;  // null: an empty scene
@@ -60,6 +62,8 @@ struct TwoLevelView {
     view.hash.log2_of_buckets = static_cast<std::uint32_t>(std::bit_width(t.displacements)) - 1;  // unused if there are none
     return view;
   }
+  ACCEL_HD Bvh2View top() const { return trees != nullptr ? tree(0) : Bvh2View{}; }
+  ACCEL_HD Bvh2View tree_of(const TwoLevelInstance& instance) const { return tree(instance.tree); }
 };
 
 struct TwoLevelWords {

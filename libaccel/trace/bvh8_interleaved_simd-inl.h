@@ -28,13 +28,20 @@ namespace {
 // stay in the first-level cache. 16 to 48 are within 10 % of each other.
 inline constexpr std::uint32_t kRaysInTurn = 24;
 
-// At the bottom of every stack: a leaf of a count that no leaf has. kNoNode looks like it.
-inline constexpr NodeRef kBottom = kLeafBit | (kMostCounted + 1) << kBlockBits;
-static_assert(kBottom >> kBlockBits == kNoNode >> kBlockBits);
+// Leaves of a count that no leaf has are the ends of trees: what is at the bottom of stacks, and instances. kNoNode looks like
+// them.
+inline constexpr NodeRef kEnd = kLeafBit | (kMostCounted + 1) << kBlockBits;
+constexpr bool is_end(NodeRef ref) { return ref >= kEnd; }
+static_assert(kEnd >> kBlockBits == kNoNode >> kBlockBits);
 
 // A ray on its way.
 template <class Test, class Slabs>
 struct alignas(64) Flight {
+  static constexpr bool kHasInstances = false;
+  static constexpr NodeRef kBottom = kEnd;  // of the stack
+  // Entries, the bottom's included.
+  static constexpr std::size_t stack_size(std::uint32_t depth) { return 1 + bvh8_stack_size(depth); }
+
   RayBoxes<Slabs> boxes;
   NodeRef ref;       // what comes next
   std::size_t size;  // entries on the stack
@@ -43,6 +50,14 @@ struct alignas(64) Flight {
   typename Test::RayData test;
   Hit hit;
   const Ray* ray;  // null: none yet
+
+  HWY_INLINE const Ray* source() const { return ray; }  // the one of the batch
+
+  // The stack of all rays to come.
+  HWY_INLINE void begin_stack(Postponed all, NodeRef bottom) {
+    stack = all;
+    stack.node[0] = bottom, stack.t_near[0] = -std::numeric_limits<float>::infinity();
+  }
 
   HWY_INLINE void begin(const Ray& r, const Slopes& slopes) {
     ray = &r, size = 1;
@@ -95,15 +110,15 @@ struct alignas(64) Flight {
   }
 };
 
-template <class Test, class Slabs, Query kQuery, class Node, class Answer>
-void trace_interleaved(const Bvh8ViewOf<Node>& view, const Ray* rays, std::size_t count, Answer* answers) {
+// F: what a ray on its way is, in a tree or in one of instances (trace/bvh8_instances_simd.cpp).
+template <class F, Query kQuery, class View, class Answer>
+void trace_interleaved(const View& view, const Ray* rays, std::size_t count, Answer* answers) {
   if (view.root == kNoNode) {
     for (std::size_t i = 0; i < count; ++i) store_answer(Hit{}, answers[i]);
     return;
   }
-  using F = Flight<Test, Slabs>;
   F flights[kRaysInTurn];
-  const std::size_t entries = 1 + bvh8_stack_size(view.depth);
+  const std::size_t entries = F::stack_size(view.depth);
   Buffer<NodeRef> nodes(kRaysInTurn * entries);
   Buffer<float> distances(kRaysInTurn * entries);
 
@@ -111,32 +126,39 @@ void trace_interleaved(const Bvh8ViewOf<Node>& view, const Ray* rays, std::size_
   F *at_node[kRaysInTurn + 1], *at_block[kRaysInTurn + 1], *at_end[kRaysInTurn + 1];
   std::uint32_t at_nodes = 0, at_blocks = 0, at_ends = 0;
   // Queues a ray for what comes next, and begins to fetch that. No branches: which step it is nobody can predict.
-  const char* const memory[2] = {reinterpret_cast<const char*>(view.nodes), reinterpret_cast<const char*>(view.blocks)};
-  constexpr std::size_t kBytes[2] = {sizeof(Node), sizeof(typename Node::Block)};
+  const char* memory[3] = {reinterpret_cast<const char*>(view.nodes), reinterpret_cast<const char*>(view.blocks)};
+  std::size_t bytes[3] = {sizeof *view.nodes, sizeof *view.blocks};
+  if constexpr (F::kHasInstances) memory[2] = reinterpret_cast<const char*>(view.instances), bytes[2] = sizeof *view.instances;
   const auto queue = [&](F& f, NodeRef ref) HWY_ATTR {
     f.ref = ref;
-    const std::uint32_t leaf = ref >> 31, end = ref >> kBlockBits == kBottom >> kBlockBits ? 1u : 0u;
+    const std::uint32_t leaf = ref >> 31, end = is_end(ref) ? 1u : 0u;
     at_node[at_nodes] = &f, at_nodes += 1 - leaf;
     at_block[at_blocks] = &f, at_blocks += leaf - end;
     at_end[at_ends] = &f, at_ends += end;
-    const char* next = memory[leaf] + first_block(ref) * kBytes[leaf];
-    for (std::size_t line = 0; line < std::max(kBytes[0], kBytes[1]); line += 64) hwy::Prefetch(next + line);
+    const std::uint32_t kind = F::kHasInstances ? leaf + end : leaf;
+    const std::size_t place = F::kHasInstances && ref == F::kBottom ? 0 : first_block(ref);
+    const char* next = memory[kind] + place * bytes[kind];
+    for (std::size_t line = 0; line < std::max(bytes[0], bytes[1]); line += 64) hwy::Prefetch(next + line);
   };
 
   for (std::uint32_t i = 0; i < kRaysInTurn; ++i) {
     F& f = flights[i];
-    f.ray = nullptr, f.stack = {nodes.data() + i * entries, distances.data() + i * entries};
-    f.stack.node[0] = kBottom, f.stack.t_near[0] = -std::numeric_limits<float>::infinity();
+    f.ray = nullptr, f.begin_stack({nodes.data() + i * entries, distances.data() + i * entries}, F::kBottom);
     at_end[at_ends++] = &f;
   }
   TriangleBlock room[kRaysInTurn];
   for (std::size_t next = 0;;) {
-    // Rays that have ended make room for the next ones.
+    // Rays that have ended make room for the next ones; others change trees.
     while (at_ends > 0) {
       F& f = *at_end[--at_ends];
       if (f.ray != nullptr) {
+        if constexpr (F::kHasInstances)
+          if (!f.is_through()) {
+            queue(f, f.template change_trees<kQuery>(view));
+            continue;
+          }
         finish_hit(f.hit);
-        store_answer(f.hit, answers[f.ray - rays]);
+        store_answer(f.hit, answers[f.source() - rays]);
         f.ray = nullptr;
       }
       Slopes slopes{};

@@ -11,51 +11,16 @@
 // scalar twin, which names the same hits bit for bit, and what counters, models of machines, multi-hit queries and devices run.
 #pragma once
 
-#include <span>
-#include <type_traits>
-
 #include "libaccel/structure/bvh8_coded.h"
 #include "libaccel/trace/bvh8_ray.h"
 #include "libaccel/trace/bvh8_simd.h"
+#include "libaccel/trace/simd_batch.h"
 #include "libaccel/trace/traverser.h"
 
 namespace accel {
 
-// Batches of a method on a CPU: see exec/cpu.h. Layouts and box tests that there is no SIMD code for with the triangle test are
-// traced ray by ray.
 template <class Node, class Slabs, class Test, Query kQuery, class TraceSingly>
-class Bvh8Batch {
- public:
-  struct Options {
-    std::size_t block_size = 1024;
-  };
-  using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
-  static constexpr bool kIsTuned = kHasBvh8Simd<Node, Slabs, Test>;
-  static constexpr std::size_t kFewestRays = 0;
-
-  Bvh8Batch(const Bvh8ViewOf<Node>& view, const Options&, const TraceSingly& trace_singly)
-      : view_(view), trace_singly_(trace_singly) {}
-
-  static void trace_one(const Bvh8ViewOf<Node>& view, const Ray& ray, Answer& answer) requires(kIsTuned) {
-    // The machine's code, looked up once and not for each ray.
-    static const Bvh8Functions<Node> functions = Bvh8Simd<Node, Slabs, Test>::functions();
-    if constexpr (kQuery == Query::closest)
-      functions.closest(view, &ray, 1, &answer);
-    else
-      functions.occluded(view, &ray, 1, &answer);
-  }
-
-  void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
-    if constexpr (kIsTuned)
-      trace_bvh8_simd<Node, Slabs, Test>(view_, rays, answers);
-    else
-      for (std::size_t i = 0; i < rays.size(); ++i) store_answer(trace_singly_(rays[i]), answers[i]);
-  }
-
- private:
-  const Bvh8ViewOf<Node>& view_;
-  const TraceSingly& trace_singly_;
-};
+using Bvh8Batch = SimdBatch<Bvh8ViewOf<Node>, Bvh8Simd<Node, Slabs, Test>, kQuery, TraceSingly>;
 
 template <class Node, class Slabs, class Test, Query kQuery, std::uint32_t kDepth>
 struct Bvh8OrderedWithin {
@@ -80,6 +45,10 @@ struct Bvh8OrderedWithin {
     int postponed;              // entries on the stack
     Stack* stack;
   };
+
+  // For instances: see trace/two_level.h. Their numbers are where blocks are else.
+  ACCEL_HD static std::uint32_t& leaf(State& state) { return state.block; }
+  ACCEL_HD static Phase end_leaf(const View&, State&, const Hit&) { return Phase::backtrack; }
 
   template <class Observer>
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {

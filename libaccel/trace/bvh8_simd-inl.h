@@ -66,7 +66,7 @@ HWY_INLINE Hit trace_one(const Bvh8ViewOf<Node>& view, const Ray& ray, Postponed
 
 template <class Test, class Slabs, Query kQuery, class Node, class Answer>
 void trace(const Bvh8ViewOf<Node>& view, const Ray* rays, std::size_t count, Answer* answers) {
-  if (count >= kFewestInTurns) return trace_interleaved<Test, Slabs, kQuery>(view, rays, count, answers);
+  if (count >= kFewestInTurns) return trace_interleaved<Flight<Test, Slabs>, kQuery>(view, rays, count, answers);
   NodeRef nodes[bvh8_stack_size(kMostBvh8Depth)];
   float distances[bvh8_stack_size(kMostBvh8Depth)];
   for (std::size_t i = 0; i < count; ++i)

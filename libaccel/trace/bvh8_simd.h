@@ -29,6 +29,7 @@
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/geometry/woop.h"
 #include "libaccel/structure/bvh8_coded.h"
+#include "libaccel/trace/simd_batch.h"
 #include "libaccel/trace/slabs.h"
 
 namespace accel {
@@ -41,12 +42,9 @@ constexpr std::uint32_t bvh8_stack_size(std::uint32_t depth) { return (kBvh8Arit
 // Rays of a batch that go by turns: fewer would hardly wait less.
 inline constexpr std::size_t kFewestInTurns = 8;
 
-// Closest-hit and any-hit queries. May throw std::bad_alloc where rays go by turns.
+// The code for a tree.
 template <class Node>
-struct Bvh8Functions {
-  void (*closest)(const Bvh8ViewOf<Node>&, const Ray*, std::size_t count, Hit*);
-  void (*occluded)(const Bvh8ViewOf<Node>&, const Ray*, std::size_t count, std::uint8_t*);
-};
+using Bvh8Functions = SimdFunctions<Bvh8ViewOf<Node>>;
 
 // The functions for the best target that the machine has. A source each for the other box tests (bvh8_simd_slabs.cpp), node
 // layouts (bvh8_simd_coded.cpp, bvh8_simd_compact.cpp) and triangle tests (bvh8_simd_tests.cpp), each with all else as by
@@ -93,11 +91,6 @@ struct Bvh8Simd<Bvh8Node, PaddedSlabs, WoopKahan> {
 template <>
 struct Bvh8Simd<Bvh8Node, PaddedSlabs, Pluecker> {
   static Bvh8Functions<Bvh8Node> functions();
-};
-
-template <class Node, class Slabs, class Test>
-inline constexpr bool kHasBvh8Simd = requires {
-  Bvh8Simd<Node, Slabs, Test>::functions();
 };
 
 // The tree is no deeper than kMostBvh8Depth. answers[i] is that of rays[i].

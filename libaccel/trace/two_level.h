@@ -1,11 +1,12 @@
-// Traversal of two levels (structure/two_level.h) by any traverser of one: Binder and Keller 2016, section 2.4, "Pausing and
-// Resuming": the state of the ray is stored, a new one is made for the instance, and on return the old one is resumed.
+// Traversal of two levels (structure/two_level.h, structure/two_level_bvh8.h) by any traverser of one: Binder and Keller 2016,
+// section 2.4, "Pausing and Resuming": the state of the ray is stored, a new one is made for the instance, and on return the
+// old one is resumed.
 //
 // A state is paused by copying it, and the base traverser is the same code on both levels, on another tree and with another
 // ray. A leaf of the tree over instances is walked here. For that the base traverser offers two functions more:
 //
-//     ACCEL_HD static std::uint32_t& leaf(State&);                   // the quad of the leaf that it is in
-//     ACCEL_HD static Phase end_leaf(const View&, State&, const Hit&);  // what it does at the leaf's terminator
+//     ACCEL_HD static std::uint32_t& leaf(State&);  // the quad of the leaf that it is in, or the number of the instance
+//     ACCEL_HD static Phase end_leaf(const View&, State&, const Hit&);  // what it does at the leaf's end
 //
 // Each specialisation of the base traverser makes one of these.
 //
@@ -24,7 +25,7 @@
 
 namespace accel {
 
-template <class Base, Query kQuery>
+template <class Base, Query kQuery, class LevelsView = TwoLevelView>
 struct TwoLevel;
 
 namespace detail {
@@ -46,14 +47,14 @@ struct TwoLevelTraits<Base> : TwoLevelNeeds<Base> {
   static constexpr bool kForDevices = Base::kForDevices;
 };
 
-template <class Base, Query kQuery>
+template <class Base, Query kQuery, class LevelsView>
 struct TwoLevelSpecialisations {
   using type = TypeList<>;
 };
-template <SpecialisedTraverser Base, Query kQuery>
-struct TwoLevelSpecialisations<Base, kQuery> {
+template <SpecialisedTraverser Base, Query kQuery, class LevelsView>
+struct TwoLevelSpecialisations<Base, kQuery, LevelsView> {
   template <class... Ts>
-  using Each = TypeList<TwoLevel<Ts, kQuery>...>;
+  using Each = TypeList<TwoLevel<Ts, kQuery, LevelsView>...>;
   using type = typename Base::Specialisations::template Apply<Each>;
 };
 
@@ -74,17 +75,18 @@ struct TwoLevelStack<Base> {
 
 }  // namespace detail
 
-// kQuery is the base traverser's.
-template <class Base, Query kQuery>
+// kQuery is the base traverser's, and LevelsView that of two levels of its structure.
+template <class Base, Query kQuery, class LevelsView>
 struct TwoLevel : detail::TwoLevelStack<Base>, detail::TwoLevelTraits<Base> {
   static constexpr const char* kName = Base::kName;
-  using View = TwoLevelView;
-  using Specialisations = typename detail::TwoLevelSpecialisations<Base, kQuery>::type;
+  using View = LevelsView;
+  using Tree = typename View::Tree;
+  using Specialisations = typename detail::TwoLevelSpecialisations<Base, kQuery, View>::type;
   static constexpr std::uint32_t kMaxDepth = Base::kMaxDepth;
 
   struct State : detail::TwoLevelStack<Base>::Pointer {
     typename Base::State active, paused;
-    Bvh2View tree;             // of the active state
+    Tree tree;                 // of the active state
     Ray ray;                   // in its space
     Hit outside;               // the best hit when the instance was entered
     std::uint32_t first_prim;  // of the instance
@@ -95,10 +97,9 @@ struct TwoLevel : detail::TwoLevelStack<Base>, detail::TwoLevelTraits<Base> {
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
     begin_hit(ray, hit);
     s.is_inside = false;
-    if (view.trees == nullptr) return Phase::done;
     s.ray = ray;
-    observer.load(Memory::node, view.trees, sizeof(TwoLevelTree));
-    s.tree = view.tree(0);
+    s.tree = view.top();
+    tell_tree(view, 0, observer);
     return Base::begin(s.tree, s.ray, active(s), hit, observer);
   }
 
@@ -128,16 +129,13 @@ struct TwoLevel : detail::TwoLevelStack<Base>, detail::TwoLevelTraits<Base> {
   // Pauses the traversal of the tree over instances in front of what comes after the leaf's next instance, and enters that.
   template <class Observer>
   ACCEL_HD static Phase enter_instance(const View& view, const Ray& ray, State& s, Hit& hit, Observer& observer) {
-    std::uint32_t& quad = Base::leaf(s.active);
-    observer.load(Memory::node, s.tree.leaves + quad, sizeof(LeafQuad));
-    const TwoLevelInstance& instance = view.instances[s.tree.leaves[quad].word];
+    const auto& instance = view.instances[take_instance(s, observer)];
     observer.load(Memory::node, &instance, sizeof instance);
-    quad += kQuadsPerTriangle;
     s.paused = s.active, s.outside = hit;
     s.is_inside = true, s.first_prim = instance.first_prim;
     s.ray = instance.to_object.ray(ray);
-    observer.load(Memory::node, view.trees + instance.tree, sizeof(TwoLevelTree));
-    s.tree = view.tree(instance.tree);
+    s.tree = view.tree_of(instance);
+    tell_tree(view, instance.tree, observer);
     Hit whole_interval;  // not the one that is left
     const Phase phase = Base::begin(s.tree, s.ray, active(s), whole_interval, observer);
     hit.prim_id = kNoHit;
@@ -159,10 +157,41 @@ struct TwoLevel : detail::TwoLevelStack<Base>, detail::TwoLevelTraits<Base> {
       if (kQuery == Query::any) return Phase::done;
     }
     s.active = s.paused, s.is_inside = false;
-    s.ray = ray, s.tree = view.tree(0);
-    const std::uint32_t quad = Base::leaf(s.active);
-    observer.load(Memory::node, s.tree.leaves + quad, sizeof(LeafQuad));
-    return is_end_of_leaf(s.tree.leaves, quad) ? Base::end_leaf(s.tree, s.active, hit) : Phase::intersect;
+    s.ray = ray, s.tree = view.top();
+    return is_at_end(view, s, observer) ? Base::end_leaf(s.tree, s.active, hit) : Phase::intersect;
+  }
+
+  // Leaves of two-box BVHs list instances as they list triangles, and end in a quad.
+  static constexpr bool kHasQuads = requires(const Tree& tree) { tree.leaves; };
+
+  template <class Observer>
+  ACCEL_HD static std::uint32_t take_instance(State& s, Observer& observer) {
+    std::uint32_t& leaf = Base::leaf(s.active);
+    if constexpr (kHasQuads) {
+      const LeafQuad& quad = s.tree.leaves[leaf];
+      observer.load(Memory::node, &quad, sizeof quad);
+      leaf += kQuadsPerTriangle;
+      return quad.word;
+    } else {
+      return leaf++;
+    }
+  }
+  template <class Observer>
+  ACCEL_HD static bool is_at_end(const View& view, State& s, Observer& observer) {
+    const std::uint32_t leaf = Base::leaf(s.active);
+    if constexpr (kHasQuads) {
+      observer.load(Memory::node, s.tree.leaves + leaf, sizeof(LeafQuad));
+      return is_end_of_leaf(s.tree.leaves, leaf);
+    } else {
+      return view.instances[leaf - 1].ends_leaf != 0;
+    }
+  }
+
+  // What names the tree, where an instance does not.
+  template <class Observer>
+  ACCEL_HD static void tell_tree(const View& view, std::uint32_t tree, Observer& observer) {
+    if constexpr (requires { view.trees; })
+      if (view.trees != nullptr) observer.load(Memory::node, view.trees + tree, sizeof *view.trees);
   }
 };
 

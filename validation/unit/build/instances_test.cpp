@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <vector>
 
-#include "libaccel/build/sbvh.h"
+#include "libaccel/build/wide_sbvh.h"
 #include "validation/stress/stress_instances.h"
 #include "validation/unit/build/built_instances.h"
 
@@ -13,14 +15,21 @@ namespace {
 
 using test::built;
 
-TEST(InstanceBuilder, TheSameBytesForAnyNumberOfThreads) {
+// Of two boxes and of eight.
+template <class Builder>
+class InstanceBuilders : public testing::Test {};
+using Builders = testing::Types<InstanceBuilder, WideInstances>;
+TYPED_TEST_SUITE(InstanceBuilders, Builders);
+
+TYPED_TEST(InstanceBuilders, TheSameBytesForAnyNumberOfThreads) {
+  using Structure = typename TypeParam::Structure;
   const InstancedMeshes scene = validation::instanced_scenes()[7].scene;
-  const TwoLevelBvh one = built(scene, {.threads = 1});
+  const Structure one = built<TypeParam>(scene, {.threads = 1});
   for (const int threads : {2, 4}) {
-    const TwoLevelBvh other = built(scene, {.threads = threads});
+    const Structure other = built<TypeParam>(scene, {.threads = threads});
     std::vector<std::vector<std::byte>> bytes;
-    for (const TwoLevelBvh* bvh : {&one, &other})
-      TwoLevelBvh::for_each_array(*bvh, [&](std::string_view, const auto& array) {
+    for (const Structure* bvh : {&one, &other})
+      Structure::for_each_array(*bvh, [&](std::string_view, const auto& array) {
         const auto* first = reinterpret_cast<const std::byte*>(array.data());
         bytes.emplace_back(first, first + array.size_bytes());
       });
@@ -58,31 +67,67 @@ TEST(InstanceBuilder, OneInstanceALeaf) {
   EXPECT_EQ(bvh.trees[0].nodes, 49u);
 }
 
-TEST(InstanceBuilder, KeepsToMaxDepth) {
+TYPED_TEST(InstanceBuilders, KeepToMaxDepth) {
   const InstancedMeshes scene = validation::instanced_scenes()[7].scene;
   for (const int depth : {0, 1, 3}) {
-    const TwoLevelBvh bvh = built(scene, {.max_depth = depth});
+    const auto bvh = built<TypeParam>(scene, {.max_depth = depth});
     EXPECT_LE(bvh.depth, static_cast<std::uint32_t>(depth));
-    EXPECT_TRUE(validate(bvh, scene.size()));
+    const Status valid = validate(bvh, scene.size());
+    EXPECT_TRUE(valid) << valid.message();
   }
 }
 
-TEST(InstanceBuilder, ReportsWhatIsStored) {
+TYPED_TEST(InstanceBuilders, ReportWhatIsStored) {
   const InstancedMeshes scene = validation::instanced_scenes()[7].scene;
-  const auto result = InstanceBuilder::build(scene, {});
+  const auto result = TypeParam::build(scene, {});
   ASSERT_TRUE(result);
   EXPECT_EQ(result->report.triangles, 130u);
+  EXPECT_GE(result->report.references, 130u);
   EXPECT_GE(result->report.peak_bytes, result->structure.size_bytes());
   ASSERT_EQ(result->report.notes.size(), 1u);
   EXPECT_EQ(result->report.notes[0].why, "50 of 2 meshes: 130 triangles are stored, for 3250 in the scene");
 }
 
-TEST(InstanceBuilder, BadOptionsAndInterruptionsAreErrors) {
+TYPED_TEST(InstanceBuilders, BadOptionsAndInterruptionsAreErrors) {
   const InstancedMeshes scene = validation::instanced_scenes()[7].scene;
-  EXPECT_FALSE(InstanceBuilder::build(scene, {.bins = 0}));
-  const auto stopped = InstanceBuilder::build(scene, {.progress = [](std::string_view, double) { return false; }});
+  EXPECT_FALSE(TypeParam::build(scene, {.bins = 0}));
+  const auto stopped = TypeParam::build(scene, {.progress = [](std::string_view, double) { return false; }});
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.message(), "interrupted");
+}
+
+// Trees over meshes are those of WideSbvh; each instance that rays can hit has one place, alone in its leaf.
+TEST(WideInstances, KeepsTreesAndInstances) {
+  const InstancedMeshes scene = validation::instanced_scenes()[7].scene;
+  const TwoLevelBvh8 bvh = built<WideInstances>(scene);
+  ASSERT_EQ(bvh.trees.size(), 3u);
+  for (std::size_t mesh = 0; mesh < 2; ++mesh) {
+    const auto alone = WideSbvh::build(scene.meshes()[mesh], {});
+    ASSERT_TRUE(alone) << alone.message();
+    const Bvh8 tree = bvh.tree(mesh + 1);
+    EXPECT_EQ(tree.root, alone->structure.root);
+    ASSERT_EQ(tree.nodes.size(), alone->structure.nodes.size());
+    ASSERT_EQ(tree.blocks.size(), alone->structure.blocks.size());
+    EXPECT_EQ(std::memcmp(tree.nodes.data(), alone->structure.nodes.data(), tree.nodes.size_bytes()), 0);
+    EXPECT_EQ(std::memcmp(tree.blocks.data(), alone->structure.blocks.data(), tree.blocks.size_bytes()), 0);
+  }
+  std::vector<std::uint32_t> first_prims;
+  for (const Bvh8Instance& instance : bvh.instances) {
+    EXPECT_EQ(instance.ends_leaf, 1u);
+    first_prims.push_back(instance.first_prim);
+  }
+  std::sort(first_prims.begin(), first_prims.end());
+  ASSERT_EQ(first_prims.size(), scene.instances().size());
+  for (std::size_t i = 0; i < first_prims.size(); ++i) EXPECT_EQ(first_prims[i], scene.first_prim(i));
+}
+
+// Where the tree over instances may have no node, its leaf is all of them.
+TEST(WideInstances, LeavesOfManyInstancesAreRuns) {
+  const InstancedMeshes scene = validation::instanced_scenes()[7].scene;
+  const TwoLevelBvh8 bvh = built<WideInstances>(scene, {.max_depth = 0});
+  EXPECT_TRUE(is_instance(bvh.root));
+  ASSERT_EQ(bvh.instances.size(), 50u);
+  for (std::size_t i = 0; i < 50; ++i) EXPECT_EQ(bvh.instances[i].ends_leaf, i == 49 ? 1u : 0u);
 }
 
 }  // namespace

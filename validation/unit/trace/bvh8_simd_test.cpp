@@ -2,11 +2,8 @@
 #include "libaccel/trace/bvh8_simd.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
-#include <bit>
-#include <iterator>
 #include <set>
 #include <span>
 #include <string>
@@ -23,42 +20,20 @@
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
 #include "validation/unit/build/test_meshes.h"
+#include "validation/unit/trace/simd_batches.h"
 
 namespace accel {
 namespace {
 
-template <class Body>
-void on_every_target(const Body& body) {
-  std::set<std::string> ran;
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    EXPECT_STREQ(bvh8_simd_target(), hwy::TargetName(target));
-    ran.insert(bvh8_simd_target());
-    body();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  EXPECT_FALSE(ran.empty());
-}
-
-bool same(const Hit& a, const Hit& b) {
-  return std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && a.prim_id == b.prim_id &&
-         std::bit_cast<std::uint32_t>(a.u) == std::bit_cast<std::uint32_t>(b.u) &&
-         std::bit_cast<std::uint32_t>(a.v) == std::bit_cast<std::uint32_t>(b.v);
-}
+using test::on_every_target;
+using test::same;
 
 // Targets without fused operations round twice.
 bool has_fused_operations() { return std::set<std::string>{"AVX2", "AVX3", "AVX3_DL"}.count(bvh8_simd_target()) != 0; }
 
-// In batches of few rays, which are traced one after the other, of some more than go by turns at a time, and of many.
 template <class Slabs, class Test, class Node, class Answer>
 void trace_in_batches(const Bvh8ViewOf<Node>& view, std::span<const Ray> rays, std::span<Answer> answers) {
-  constexpr std::size_t kSizes[] = {1, kFewestInTurns - 1, kFewestInTurns, 23, 24, 25, 26, 49, 0, 500};
-  std::size_t begin = 0;
-  for (std::size_t i = 0; begin < rays.size(); ++i) {
-    const std::size_t size = std::min(i < std::size(kSizes) ? kSizes[i] : rays.size(), rays.size() - begin);
-    trace_bvh8_simd<Node, Slabs, Test>(view, rays.subspan(begin, size), answers.subspan(begin, size));
-    begin += size;
-  }
+  test::trace_in_batches(Bvh8Simd<Node, Slabs, Test>::functions(), view, rays, answers);
 }
 
 // Returns how many rays hit something.

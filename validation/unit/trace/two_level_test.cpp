@@ -8,9 +8,11 @@
 
 #include "libaccel/build/instances.h"
 #include "libaccel/build/sbvh.h"
+#include "libaccel/build/wide_instances.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/geometry/watertight.h"
 #include "libaccel/registry/annotate.h"
+#include "libaccel/trace/bvh8_instances.h"
 #include "libaccel/trace/instances_hash.h"
 #include "libaccel/trace/instances_stack.h"
 #include "validation/oracle/brute_instances.h"
@@ -24,26 +26,41 @@ namespace {
 using validation::brute_force;
 using validation::InstancedScene;
 
-// A base traverser, and the structures that it reads.
+// A traverser of two levels, and the builder of what it reads.
 struct Stack {
+  using Builder = InstanceBuilder;
   template <Query kQuery>
-  using Base = Bvh2Stack<Watertight, kQuery>;
+  using Traverser = TwoLevel<Bvh2Stack<Watertight, kQuery>, kQuery>;
 };
 template <class Path>
 struct Hash {
+  using Builder = InstanceBuilder;
   template <Query kQuery>
-  using Base = Bvh2HashWith<Watertight, kQuery, Path>;
+  using Traverser = TwoLevel<Bvh2HashWith<Watertight, kQuery, Path>, kQuery>;
+};
+struct Wide {
+  using Builder = WideInstances;
+  template <Query kQuery>
+  using Traverser = Bvh8Instances<Watertight, kQuery>;
 };
 
 template <class Kind>
 class TwoLevelTraversal : public testing::Test {
  protected:
-  using Closest = TwoLevel<typename Kind::template Base<Query::closest>, Query::closest>;
-  using Any = TwoLevel<typename Kind::template Base<Query::any>, Query::any>;
+  using Closest = typename Kind::template Traverser<Query::closest>;
+  using Any = typename Kind::template Traverser<Query::any>;
+  using Structure = typename Kind::Builder::Structure;
 
-  static TwoLevelBvh built(const InstancedMeshes& scene) {
+  // Step by step, ray by ray, whatever else the method has for batches.
+  template <class Traverser>
+  static Hit trace_alone(const Structure& bvh, const Ray& ray) {
+    NullObserver observer;
+    return trace_ray<Traverser>(bvh.view(), ray, observer);
+  }
+
+  static Structure built(const InstancedMeshes& scene) {
     // Reinsertion makes some trees deeper than the narrowest keys can tell.
-    auto result = InstanceBuilder::build(scene, {.reinsertion_rounds = 0});
+    auto result = Kind::Builder::build(scene, {.reinsertion_rounds = 0});
     EXPECT_TRUE(result) << result.message();
     const Status annotated = annotate<Closest>(result->structure, "test", 0, result->report);
     EXPECT_TRUE(annotated) << annotated.message();
@@ -51,18 +68,19 @@ class TwoLevelTraversal : public testing::Test {
     return std::move(result->structure);
   }
 
-  static std::vector<Hit> closest(const TwoLevelBvh& bvh, const std::vector<Ray>& rays) {
-    std::vector<Hit> hits(rays.size());
-    trace_closest<Closest>(bvh.view(), rays, hits, 1);
+  static std::vector<Hit> closest(const Structure& bvh, const std::vector<Ray>& rays) {
+    std::vector<Hit> hits;
+    for (const Ray& ray : rays) hits.push_back(trace_alone<Closest>(bvh, ray));
     return hits;
   }
 };
 template <class Path>
 struct HashRecent {
+  using Builder = InstanceBuilder;
   template <Query kQuery>
-  using Base = Bvh2HashRecentWith<Watertight, kQuery, Path, 2>;
+  using Traverser = TwoLevel<Bvh2HashRecentWith<Watertight, kQuery, Path, 2>, kQuery>;
 };
-using Kinds = testing::Types<Stack, Hash<NodePath<std::uint32_t>>, Hash<NodePath<std::uint64_t>>, Hash<DeepPath>,
+using Kinds = testing::Types<Stack, Wide, Hash<NodePath<std::uint32_t>>, Hash<NodePath<std::uint64_t>>, Hash<DeepPath>,
                              HashRecent<PackedPath>, HashRecent<NodePath<std::uint64_t>>>;
 TYPED_TEST_SUITE(TwoLevelTraversal, Kinds);
 
@@ -76,7 +94,7 @@ void expect_same(const Hit& hit, const Hit& expected, const std::string& what) {
 TYPED_TEST(TwoLevelTraversal, FindsWhatBruteForceFinds) {
   for (const InstancedScene& s : validation::instanced_scenes()) {
     const std::vector<Ray> rays = validation::instance_rays(s.scene, 2000);
-    const TwoLevelBvh bvh = this->built(s.scene);
+    const auto bvh = this->built(s.scene);
     const std::vector<Hit> hits = this->closest(bvh, rays);
     std::size_t found = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -90,11 +108,11 @@ TYPED_TEST(TwoLevelTraversal, FindsWhatBruteForceFinds) {
 TYPED_TEST(TwoLevelTraversal, AnyHitIffClosestHit) {
   for (const InstancedScene& s : validation::instanced_scenes(2)) {
     const std::vector<Ray> rays = validation::instance_rays(s.scene, 2000, 2);
-    const TwoLevelBvh bvh = this->built(s.scene);
+    const auto bvh = this->built(s.scene);
     const std::vector<Hit> hits = this->closest(bvh, rays);
-    std::vector<std::uint8_t> any(rays.size());
-    trace_any<typename TestFixture::Any>(bvh.view(), rays, any, 1);
-    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(any[i] != 0, hits[i].valid()) << s.name << ", ray " << i;
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      EXPECT_EQ(this->template trace_alone<typename TestFixture::Any>(bvh, rays[i]).valid(), hits[i].valid())
+          << s.name << ", ray " << i;
   }
 }
 
@@ -122,7 +140,7 @@ TYPED_TEST(TwoLevelTraversal, IdentityInstancesOfPartsAreTheirUnion) {
   const auto whole = InstancedMeshes::make({validation::mesh_of(all)}, {Instance{}});
   ASSERT_TRUE(scene && whole);
   const std::vector<Ray> rays = validation::stress_rays(validation::mesh_of(all), 4000);
-  const TwoLevelBvh bvh = this->built(*scene);
+  const auto bvh = this->built(*scene);
   const std::vector<Hit> hits = this->closest(bvh, rays);
   for (std::size_t i = 0; i < rays.size(); ++i)
     expect_same(hits[i], brute_force<Watertight>(*whole, rays[i]), "ray " + std::to_string(i));
@@ -151,8 +169,8 @@ TYPED_TEST(TwoLevelTraversal, PausesAndResumesAtEveryStep) {
     typename Traverser::State state;
   };
   const InstancedScene s = validation::instanced_scenes()[4];
-  const TwoLevelBvh bvh = this->built(s.scene);
-  const TwoLevelView view = bvh.view();
+  const auto bvh = this->built(s.scene);
+  const auto view = bvh.view();
   for (const Ray& ray : validation::instance_rays(s.scene, 200)) {
     NullObserver observer;
     std::vector<Paused> at(2);

@@ -1,0 +1,202 @@
+#include "libaccel/structure/two_level_bvh8.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace accel {
+namespace {
+
+// A node that no tree has.
+constexpr NodeRef kNowhere = kLeafBit - 1;
+
+bool is_block(NodeRef ref) { return is_leaf(ref) && counted_blocks(ref) <= kMostCounted; }
+
+// A reference whose node or block has moved by so many places. kNoNode and instances stay.
+NodeRef moved(NodeRef ref, std::uint64_t nodes, std::uint64_t blocks) {
+  if (!is_leaf(ref)) return static_cast<NodeRef>(ref + nodes);
+  return is_block(ref) ? static_cast<NodeRef>(ref + blocks) : ref;
+}
+
+// Those of a tree, as they count from its own first node and block.
+NodeRef within(const Bvh8Tree& tree, NodeRef ref) {
+  const std::uint64_t place = is_leaf(ref) ? first_block(ref) : ref;
+  const std::uint64_t first = is_leaf(ref) ? tree.first_block : tree.first_node,
+                      count = is_leaf(ref) ? tree.blocks : tree.nodes;
+  if ((is_leaf(ref) && !is_block(ref)) || place < first || place - first >= count) return kNowhere;
+  return static_cast<NodeRef>(ref - first);
+}
+
+// The tree over instances, with blocks of stand-ins for its runs.
+class TopTree {
+ public:
+  explicit TopTree(const TwoLevelBvh8& bvh) : bvh_(bvh), leaf_at_(bvh.instances.size(), kNowhere) {
+    for (std::uint32_t begin = 0, end = 0; begin < bvh.instances.size(); begin = end) {
+      while (end < bvh.instances.size() && bvh.instances[end].ends_leaf == 0) ++end;
+      if (end == bvh.instances.size()) break;  // without an end: no leaf
+      add_leaf(begin, ++end);
+    }
+  }
+
+  NodeRef leaf(NodeRef ref) const {
+    const std::uint32_t number = instance_number(ref);
+    return is_instance(ref) && number < leaf_at_.size() ? leaf_at_[number] : kNowhere;
+  }
+  Buffer<TriangleBlock> blocks() const { return Buffer<TriangleBlock>::copy_of(blocks_); }
+
+ private:
+  void add_leaf(std::uint32_t begin, std::uint32_t end) {
+    const auto first = static_cast<std::uint32_t>(blocks_.size());
+    for (std::uint32_t i = begin; i < end; i += kBlockLanes) add_block(i, std::min(i + kBlockLanes, end));
+    const auto count = static_cast<std::uint32_t>(blocks_.size()) - first;
+    if (count > kMostCounted) add_block(end, end);
+    leaf_at_[begin] = block_ref(first, count);
+  }
+  void add_block(std::uint32_t begin, std::uint32_t end) {
+    TriangleBlock& block = blocks_.emplace_back();
+    for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane)
+      if (begin + lane < end)
+        block.set(lane, {{{{0, 0, 0}, begin + lane}, {{0, 0, 0}, 0}, {{0, 0, 0}, 0}}});
+      else
+        block.clear(lane);
+  }
+
+  const TwoLevelBvh8& bvh_;
+  std::vector<NodeRef> leaf_at_;  // by the first instance of a run
+  std::vector<TriangleBlock> blocks_;
+};
+
+bool is_finite(const AffineInverse& map) {
+  const auto finite = [](float x) { return std::isfinite(x); };
+  return std::all_of(&map.linear[0][0], &map.linear[0][0] + 9, finite) && finite(map.origin.x) && finite(map.origin.y) &&
+         finite(map.origin.z);
+}
+
+Status validate_trees(const TwoLevelBvh8& bvh) {
+  std::uint64_t nodes = 0, blocks = 0;
+  std::uint32_t depth = 0;
+  for (std::size_t i = 0; i < bvh.trees.size(); ++i) {
+    const Bvh8Tree& t = bvh.trees[i];
+    const std::string name = "tree " + std::to_string(i);
+    if (t.first_node != nodes || t.first_block != blocks || t.nodes > bvh.nodes.size() - nodes ||
+        t.blocks > bvh.blocks.size() - blocks || (i == 0 && t.blocks > 0))
+      return Error{name + " is not the part of the arrays that comes after the tree before it"};
+    nodes += t.nodes, blocks += t.blocks;
+    if (const Status valid = validate(bvh.tree(i), t.triangles); !valid) return Error{name + ": " + valid.message()};
+    depth = std::max(depth, t.depth);
+  }
+  if (nodes != bvh.nodes.size() || blocks != bvh.blocks.size())
+    return Error{"there are nodes or blocks of triangles that belong to no tree"};
+  if (depth != bvh.depth || bvh.trees[0].root != bvh.root) return Error{"the root and the depth are not those of the trees"};
+  return Done{};
+}
+
+Status validate_instances(const TwoLevelBvh8& bvh, std::uint64_t triangle_count) {
+  if (bvh.instances.size() > kMostInstances) return Error{"more instances than a reference can name"};
+  if (!bvh.instances.empty() && bvh.instances[bvh.instances.size() - 1].ends_leaf == 0)
+    return Error{"the last instance does not end a leaf"};
+  for (std::size_t i = 0; i < bvh.instances.size(); ++i) {
+    const Bvh8Instance& instance = bvh.instances[i];
+    const std::string name = "instance " + std::to_string(i);
+    if (instance.tree == 0 || instance.tree >= bvh.trees.size())
+      return Error{name + " names tree " + std::to_string(instance.tree) + ", which is none of a mesh"};
+    const Bvh8Tree& tree = bvh.trees[instance.tree];
+    if (instance.root != tree.root || tree.root == kNoNode) return Error{name + " does not begin at the root of its tree"};
+    if (!is_finite(instance.to_object)) return Error{name + " has a map that is not finite"};
+    if (instance.first_prim > triangle_count || tree.triangles > triangle_count - instance.first_prim)
+      return Error{name + " has triangles that the scene has not"};
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Bvh8 TwoLevelBvh8::tree(std::size_t i) const {
+  const Bvh8Tree& t = trees[i];
+  Bvh8 bvh;
+  static_cast<Bvh8Words&>(bvh) = t;
+  bvh.nodes = Buffer<Bvh8Node>::copy_of(nodes.part(t.first_node, t.nodes).span());
+  const auto move_all = [&](const auto& move) {
+    if (t.root != kNoNode) bvh.root = move(t.root);
+    for (Bvh8Node& node : bvh.nodes)
+      for (NodeRef& child : node.child)
+        if (child != kNoNode) child = move(child);
+  };
+  if (i > 0) {
+    bvh.blocks = blocks.part(t.first_block, t.blocks);
+    move_all([&](NodeRef ref) { return within(t, ref); });
+  } else {
+    const TopTree top(*this);
+    bvh.blocks = top.blocks();
+    move_all([&](NodeRef ref) { return is_leaf(ref) ? top.leaf(ref) : ref; });
+  }
+  return bvh;
+}
+
+Result<TwoLevelBvh8> TwoLevelBvh8::join(const std::vector<Bvh8>& trees, const std::vector<std::uint64_t>& triangles,
+                                        const std::vector<Bvh8Instance>& instances) {
+  TwoLevelBvh8 result;
+  if (trees.empty()) return result;
+  result.trees = Buffer<Bvh8Tree>(trees.size());
+  std::uint64_t nodes = 0, blocks = 0;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    Bvh8Tree& t = result.trees[i];
+    t = {trees[i], nodes, trees[i].nodes.size(), blocks, i == 0 ? 0 : trees[i].blocks.size(), triangles[i]};
+    nodes += t.nodes, blocks += t.blocks;
+    result.depth = std::max(result.depth, t.depth);
+  }
+  if (nodes >= kLeafBit || blocks > kMaxBlocks || instances.size() > kMostInstances)
+    return Error{"the trees have " + std::to_string(nodes) + " nodes, " + std::to_string(blocks) + " blocks of triangles and " +
+                 std::to_string(instances.size()) + " instances, more than a reference can name"};
+  result.nodes = Buffer<Bvh8Node>(nodes), result.blocks = Buffer<TriangleBlock>(blocks);
+  for (std::size_t i = 1; i < trees.size(); ++i) {
+    Bvh8Tree& t = result.trees[i];
+    const auto to_place = [&](NodeRef ref) { return moved(ref, t.first_node, t.first_block); };
+    t.root = to_place(t.root);
+    std::copy(trees[i].blocks.begin(), trees[i].blocks.end(), result.blocks.begin() + t.first_block);
+    for (std::size_t n = 0; n < t.nodes; ++n) {
+      Bvh8Node& node = result.nodes[t.first_node + n];
+      node = trees[i].nodes[n];
+      for (NodeRef& child : node.child) child = to_place(child);
+    }
+  }
+
+  // Runs of instances, in the order in which the tree over them names them.
+  std::vector<Bvh8Instance> in_order;
+  const auto add_run = [&](NodeRef leaf) {
+    const NodeRef ref = instance_ref(static_cast<std::uint32_t>(in_order.size()));
+    const std::uint32_t count = block_count(trees[0].blocks, leaf);
+    for (std::uint32_t b = first_block(leaf); b < first_block(leaf) + count; ++b)
+      for (std::uint32_t lane = 0; lane < kBlockLanes && trees[0].blocks[b].has(lane); ++lane) {
+        Bvh8Instance& instance = in_order.emplace_back(instances[trees[0].blocks[b].prim_id[lane]]);
+        instance.root = result.trees[instance.tree].root, instance.ends_leaf = 0;
+      }
+    in_order.back().ends_leaf = 1;
+    return ref;
+  };
+  Bvh8Tree& top = result.trees[0];
+  if (top.root != kNoNode && is_leaf(top.root)) top.root = add_run(top.root);
+  for (std::size_t n = 0; n < top.nodes; ++n) {
+    result.nodes[n] = trees[0].nodes[n];
+    for (NodeRef& child : result.nodes[n].child)
+      if (is_leaf(child) && child != kNoNode) child = add_run(child);
+  }
+  top.triangles = in_order.size();
+  result.root = top.root;
+  result.instances = Buffer<Bvh8Instance>::copy_of(in_order);
+  return result;
+}
+
+Status validate(const TwoLevelBvh8& bvh, std::uint64_t triangle_count) {
+  if (bvh.trees.empty()) {
+    if (bytes_of_arrays(bvh) == 0 && triangle_count == 0 && bvh.root == kNoNode) return Done{};
+    return Error{"there is no tree, but there are nodes, blocks, instances or triangles"};
+  }
+  if (bvh.trees[0].triangles != bvh.instances.size())
+    return Error{"the tree over instances is one over " + std::to_string(bvh.trees[0].triangles) + ", but there are " +
+                 std::to_string(bvh.instances.size())};
+  if (const Status good = validate_instances(bvh, triangle_count); !good) return good;
+  return validate_trees(bvh);
+}
+
+}  // namespace accel
