@@ -20,22 +20,28 @@
 //
 // The box test of a ray is that of trace/bvh8_ray.h, so that a ray meets the triangles that it meets by itself, in another
 // order, and has the same hit bit for bit.
+// Instances. Packets go through the tree over them in the same way. The rays that come to one make packets in its space, one for
+// each face that they have there, and what they hit is brought back; few rays go by turns.
 #pragma once
 
 #include <cstdint>
 
 #include "libaccel/packet/localized.h"
 #include "libaccel/structure/bvh8.h"
+#include "libaccel/structure/two_level_bvh8.h"
 
 namespace accel {
 
 // answers[i] answers rays[i] for all rays of active packets; nothing else is written. faces[k] is the face of ray ids[k], the
-// same for all rays of a packet. The tree has a node and is no deeper than kMostBvh8Depth. Of the batch, only rays and packets
-// are read. May throw std::bad_alloc.
+// same for all rays of a packet. The root is a node, and no tree is deeper than kMostBvh8Depth. Of the batch, only rays and
+// packets are read. May throw std::bad_alloc.
 void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits);
+void trace_bvh8_packets_simd(const TwoLevelBvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces, Hit* hits);
 //
 // Any-hit queries may begin at the far end: what is around a light is in the way of many rays, or of none.
 void trace_bvh8_packets_simd(const Bvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces,
+                             std::uint8_t* occluded, bool from_far_end = false);
+void trace_bvh8_packets_simd(const TwoLevelBvh8View& view, const LocalizedBatch& batch, const std::uint8_t* faces,
                              std::uint8_t* occluded, bool from_far_end = false);
 
 }  // namespace accel

@@ -47,15 +47,15 @@ bool are_alike(std::span<const Ray> rays) {
   return alike >= 0;
 }
 
-template <class Answer>
-Bvh8StreamTracer<Answer>::Bvh8StreamTracer(const Bvh8View& view, const PacketOptions& options, std::atomic<StreamPlan>& plan)
+template <class View, class Answer>
+Bvh8StreamTracer<View, Answer>::Bvh8StreamTracer(const View& view, const PacketOptions& options, std::atomic<StreamPlan>& plan)
     : view_(view), options_(options), bounds_(bounds_of(view)), plan_(plan), order_(bounds_, options.cell_fraction) {
   options_.max_size = std::clamp(options.max_size, 1u, kMaxPacketSize);
   options_.block_size = std::max(options.block_size, 1u);
 }
 
-template <class Answer>
-void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer> answers) {
+template <class View, class Answer>
+void Bvh8StreamTracer<View, Answer>::trace(std::span<const Ray> rays, std::span<Answer> answers) {
   if (is_leaf(view_.root)) return trace_by_turns(rays, answers);
   for (std::size_t first = 0, n; first < rays.size(); first += n) {
     n = std::min<std::size_t>(rays.size() - first, options_.block_size);
@@ -68,8 +68,8 @@ void Bvh8StreamTracer<Answer>::trace(std::span<const Ray> rays, std::span<Answer
   }
 }
 
-template <class Answer>
-void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<Answer> answers) {
+template <class View, class Answer>
+void Bvh8StreamTracer<View, Answer>::trace_alike(std::span<const Ray> rays, std::span<Answer> answers) {
   StreamPlan plan = plan_.load(std::memory_order_relaxed);
   const bool is_trial = plan.blocks_to_trial == 0 && rays.size() >= kOrdered;
   plan.blocks_to_trial -= plan.blocks_to_trial > 0 ? 1 : 0;
@@ -94,16 +94,16 @@ void Bvh8StreamTracer<Answer>::trace_alike(std::span<const Ray> rays, std::span<
   trace_gathered(rays, answers);
 }
 
-template <class Answer>
-std::uint8_t Bvh8StreamTracer<Answer>::better_run(std::span<const Ray> rays) {
+template <class View, class Answer>
+std::uint8_t Bvh8StreamTracer<View, Answer>::better_run(std::span<const Ray> rays) {
   const auto some = rays.first(kOrdered);
   order_.begin(some);
   const double in_runs = width_in_runs(some, kRun), as_they_come = width_in_runs(some, 0);
   return in_runs * kCostOfRuns < as_they_come ? kRun : 0;
 }
 
-template <class Answer>
-double Bvh8StreamTracer<Answer>::width_in_runs(std::span<const Ray> rays, std::uint32_t run) {
+template <class View, class Answer>
+double Bvh8StreamTracer<View, Answer>::width_in_runs(std::span<const Ray> rays, std::uint32_t run) {
   make_packets(run, kComparedSize);
   make_frustums_simd(packets_.batch({}, rays.data(), order_.ids().data()), order_.faces().data(), bounds_,
                      packets_.frustums().data());
@@ -113,13 +113,13 @@ double Bvh8StreamTracer<Answer>::width_in_runs(std::span<const Ray> rays, std::u
   return width;
 }
 
-template <class Answer>
-std::size_t Bvh8StreamTracer<Answer>::first_of(std::size_t place) const {
+template <class View, class Answer>
+std::size_t Bvh8StreamTracer<View, Answer>::first_of(std::size_t place) const {
   return (2 * place + 1) * packets_.count() / (2 * kPlaces);
 }
 
-template <class Answer>
-void Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan) {
+template <class View, class Answer>
+void Bvh8StreamTracer<View, Answer>::try_ways(std::span<const Ray> rays, std::span<Answer> answers, StreamPlan& plan) {
   std::array<double, kWays> seconds{}, count{};
   const auto cost = [&](std::size_t way) { return seconds[way] / count[way]; };
   const auto fastest = [&] {
@@ -147,8 +147,8 @@ void Bvh8StreamTracer<Answer>::try_ways(std::span<const Ray> rays, std::span<Ans
   plan.blocks_to_trial = plan.trial_distance - 1u;
 }
 
-template <class Answer>
-void Bvh8StreamTracer<Answer>::trace_packets(Way way, std::size_t first, std::size_t end, std::span<const Ray> rays,
+template <class View, class Answer>
+void Bvh8StreamTracer<View, Answer>::trace_packets(Way way, std::size_t first, std::size_t end, std::span<const Ray> rays,
                                              std::span<Answer> answers) {
   LocalizedBatch batch = packets_.batch({}, rays.data(), order_.ids().data());
   batch.active += first, batch.count = end - first;
@@ -163,14 +163,14 @@ void Bvh8StreamTracer<Answer>::trace_packets(Way way, std::size_t first, std::si
   }
 }
 
-template <class Answer>
-void Bvh8StreamTracer<Answer>::make_packets(std::uint32_t run, std::uint32_t size) {
+template <class View, class Answer>
+void Bvh8StreamTracer<View, Answer>::make_packets(std::uint32_t run, std::uint32_t size) {
   order_.sort(run);
   packets_.cut_by_face(order_.faces(), size, std::min(options_.min_size, size));
 }
 
-template <class Answer>
-void Bvh8StreamTracer<Answer>::trace_gathered(std::span<const Ray> rays, std::span<Answer> answers) {
+template <class View, class Answer>
+void Bvh8StreamTracer<View, Answer>::trace_gathered(std::span<const Ray> rays, std::span<Answer> answers) {
   gathered_rays_.clear();
   for (const std::uint32_t id : gathered_) gathered_rays_.push_back(rays[id]);
   gathered_answers_.resize(gathered_.size());
@@ -178,7 +178,9 @@ void Bvh8StreamTracer<Answer>::trace_gathered(std::span<const Ray> rays, std::sp
   for (std::size_t i = 0; i < gathered_.size(); ++i) answers[gathered_[i]] = gathered_answers_[i];
 }
 
-template class Bvh8StreamTracer<Hit>;
-template class Bvh8StreamTracer<std::uint8_t>;
+template class Bvh8StreamTracer<Bvh8View, Hit>;
+template class Bvh8StreamTracer<Bvh8View, std::uint8_t>;
+template class Bvh8StreamTracer<TwoLevelBvh8View, Hit>;
+template class Bvh8StreamTracer<TwoLevelBvh8View, std::uint8_t>;
 
 }  // namespace accel

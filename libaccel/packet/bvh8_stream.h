@@ -22,6 +22,7 @@
 #include "libaccel/packet/packet_options.h"
 #include "libaccel/packet/packet_set.h"
 #include "libaccel/packet/serial_primitives.h"
+#include "libaccel/trace/bvh8_instances.h"
 #include "libaccel/trace/bvh8_ordered.h"
 
 namespace accel {
@@ -44,11 +45,19 @@ struct alignas(8) StreamPlan {  // as a word: clang calls a library for atomics 
 };
 static_assert(std::atomic<StreamPlan>::is_always_lock_free);
 
+// What rays go by turns with, by the kind of tree: one of triangles, or one of instances.
+inline SimdFunctions<Bvh8View> functions_by_turns(const Bvh8View&) {
+  return Bvh8Simd<Bvh8Node, PaddedSlabs, Watertight>::functions();
+}
+inline SimdFunctions<TwoLevelBvh8View> functions_by_turns(const TwoLevelBvh8View&) {
+  return Bvh8InstancesSimd<Watertight>::functions();
+}
+
 // With the watertight test, by one thread. Answer is Hit, or std::uint8_t for any-hit queries.
-template <class Answer>
+template <class View, class Answer>
 class Bvh8StreamTracer {
  public:
-  Bvh8StreamTracer(const Bvh8View& view, const PacketOptions& options, std::atomic<StreamPlan>& plan);
+  Bvh8StreamTracer(const View& view, const PacketOptions& options, std::atomic<StreamPlan>& plan);
 
   // May throw std::bad_alloc.
   void trace(std::span<const Ray> rays, std::span<Answer> answers);
@@ -68,7 +77,7 @@ class Bvh8StreamTracer {
   // The rays of the block's packets [first, end).
   void trace_packets(Way way, std::size_t first, std::size_t end, std::span<const Ray> rays, std::span<Answer> answers);
   void trace_by_turns(std::span<const Ray> rays, std::span<Answer> answers) const {
-    trace_bvh8_simd<Bvh8Node, PaddedSlabs, Watertight>(view_, rays, answers);
+    functions_by_turns(view_).trace(view_, rays.data(), rays.size(), answers.data());
   }
   // By turns, rays at places of the order.
   void begin_gathering() { gathered_.clear(); }
@@ -81,7 +90,7 @@ class Bvh8StreamTracer {
   // How wide the frustums of a block are in runs of so many rays, summed over rays.
   double width_in_runs(std::span<const Ray> rays, std::uint32_t run);
 
-  Bvh8View view_;
+  View view_;
   PacketOptions options_;
   Aabb bounds_;
   std::atomic<StreamPlan>& plan_;
@@ -94,11 +103,13 @@ class Bvh8StreamTracer {
   std::vector<Answer> gathered_answers_;
 };
 
-extern template class Bvh8StreamTracer<Hit>;
-extern template class Bvh8StreamTracer<std::uint8_t>;
+extern template class Bvh8StreamTracer<Bvh8View, Hit>;
+extern template class Bvh8StreamTracer<Bvh8View, std::uint8_t>;
+extern template class Bvh8StreamTracer<TwoLevelBvh8View, Hit>;
+extern template class Bvh8StreamTracer<TwoLevelBvh8View, std::uint8_t>;
 
-// Batches of the method: other tests than the watertight one have no packets.
-template <class Test, Query kQuery, class TraceSingly>
+// Batches of the method: other tests than the watertight one have no packets. ByTurns are batches without packets.
+template <class View, class Test, Query kQuery, class ByTurns, class TraceSingly>
 class Bvh8StreamBatch {
  public:
   // One for all who trace parts of a batch.
@@ -106,7 +117,7 @@ class Bvh8StreamBatch {
     mutable std::atomic<StreamPlan> plan;
   };
   using Answer = std::conditional_t<kQuery == Query::closest, Hit, std::uint8_t>;
-  static constexpr bool kIsTuned = Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>::kIsTuned;
+  static constexpr bool kIsTuned = ByTurns::kIsTuned;
   static constexpr std::size_t kFewestRays = 0;
 
   // Larger blocks make better packets; of rays that make none, small ones keep all threads busy to the end.
@@ -114,39 +125,43 @@ class Bvh8StreamBatch {
     return has_packets(rays) && are_alike(rays) ? options.block_size : typename ByTurns::Options{}.block_size;
   }
 
-  Bvh8StreamBatch(const Bvh8View& view, const Options& options, const TraceSingly& trace_singly)
+  Bvh8StreamBatch(const View& view, const Options& options, const TraceSingly& trace_singly)
       : view_(view), options_(options), trace_singly_(trace_singly) {}
 
-  static void trace_one(const Bvh8View& view, const Ray& ray, Answer& answer) requires(kIsTuned) {
+  static void trace_one(const View& view, const Ray& ray, Answer& answer) requires(kIsTuned) {
     ByTurns::trace_one(view, ray, answer);
   }
 
   void trace(std::span<const Ray> rays, std::span<Answer> answers) const {
     if (has_packets(rays))
-      Bvh8StreamTracer<Answer>(view_, options_, options_.plan).trace(rays, answers);
+      Bvh8StreamTracer<View, Answer>(view_, options_, options_.plan).trace(rays, answers);
     else
       ByTurns(view_, {}, trace_singly_).trace(rays, answers);
   }
 
  private:
-  using ByTurns = Bvh8Batch<Bvh8Node, PaddedSlabs, Test, kQuery, TraceSingly>;
-
   static bool has_packets(std::span<const Ray> rays) {
     return std::is_same_v<Test, Watertight> && rays.size() >= kFewestInPackets;
   }
 
-  const Bvh8View& view_;
+  const View& view_;
   const Options& options_;
   const TraceSingly& trace_singly_;
 };
 
-template <class Test, Query kQuery>
-struct Bvh8Stream : Bvh8Ordered<Test, kQuery> {
+// Base: the traverser of single rays.
+template <class Base, class Test, Query kQuery>
+struct Bvh8StreamOf : Base {
   static constexpr const char* kName = "stream";
-  static constexpr SkippedFeature kSkips{"steps of packets", "counters, profiles and single rays are those of bvh8/ordered"};
+  static constexpr SkippedFeature kSkips{"steps of packets", "counters, profiles and single rays are those of the method 'ordered'"};
 
   template <class TraceSingly>
-  using Batch = Bvh8StreamBatch<Test, kQuery, TraceSingly>;
+  using Batch = Bvh8StreamBatch<typename Base::View, Test, kQuery, typename Base::template Batch<TraceSingly>, TraceSingly>;
 };
+
+template <class Test, Query kQuery>
+struct Bvh8Stream : Bvh8StreamOf<Bvh8Ordered<Test, kQuery>, Test, kQuery> {};
+template <class Test, Query kQuery>
+struct Bvh8InstancesStream : Bvh8StreamOf<Bvh8Instances<Test, kQuery>, Test, kQuery> {};
 
 }  // namespace accel

@@ -70,7 +70,8 @@ using Methods = TypeList<                         //
     Method<KdTreeSah, KdTreeRopes>,               // kdtree/ropes
     Method<InstanceBuilder, InstancesStack>,      // instances/stack
     Method<InstanceBuilder, InstancesHash>,       // instances/hash
-    Method<WideInstances, Bvh8Instances>          // bvh8-instances/ordered
+    Method<WideInstances, Bvh8Instances>,         // bvh8-instances/ordered
+    Method<WideInstances, Bvh8InstancesStream>    // bvh8-instances/stream
     >;
 
 }  // namespace accel

@@ -67,7 +67,7 @@ struct TwoLevelBvh8Words {
 };
 
 struct TwoLevelBvh8 : TwoLevelBvh8Words {
-  static constexpr const char* kName = "two-level-bvh8";
+  static constexpr const char* kName = "bvh8-levels";
   using View = TwoLevelBvh8View;
   using Words = TwoLevelBvh8Words;
 
