@@ -45,7 +45,7 @@ std::vector<std::string> resolve(const Scene& scene, const TraceSettings& settin
       const std::string actual = name != "best" ? name : best_for(scene);
       if (name == "best" && scene.data.instances && !keeps_instances(scene))
         skipped.push_back({"instances", "one mesh of " + counted(scene.facts.triangles, "triangle") +
-                                            " is faster to trace; --method bvh8-instances/ordered keeps them apart"});
+                                            " is faster to trace; --method bvh8-instances/stream keeps them apart"});
       if (std::find(names.begin(), names.end(), actual) == names.end()) names.push_back(actual);
     }
     return names;

@@ -16,33 +16,6 @@ namespace accel {
 namespace HWY_NAMESPACE {
 namespace {
 
-// The bits of |x|, whose order as integers is that of the numbers, below those of NaN.
-HWY_INLINE Words bits_of_magnitude(Floats x) { return hn::BitCast(kWords, hn::Abs(x)); }
-
-// face_of() (packet/frustum.h).
-HWY_INLINE Words faces_of(const RayLanes& r) {
-  constexpr auto kMost = std::bit_cast<std::uint32_t>(kMaxCoordinate);
-  constexpr auto kLeast = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::min());
-  const Words one = hn::Set(kWords, 1);
-  Words size[3], largest_org = hn::Zero(kWords), largest = largest_org, smallest = hn::Set(kWords, 0xffffffffu);
-  for (int a = 0; a < 3; ++a) {
-    largest_org = hn::Max(bits_of_magnitude(r.org[a]), largest_org);
-    size[a] = bits_of_magnitude(r.dir[a]);
-    largest = hn::Max(size[a], largest);
-    smallest = hn::Min(hn::Sub(size[a], one), smallest);  // zeros are above all others
-  }
-  const Mask is_interval = hn::And(hn::Le(r.t_min, r.t_max), hn::Ge(r.t_max, hn::Zero(kFloats)));
-  const auto is_outside = hn::Or(hn::Gt(hn::Max(largest, largest_org), hn::Set(kWords, kMost)),
-                                 hn::Or(hn::Lt(smallest, hn::Set(kWords, kLeast - 1)), hn::Eq(largest, hn::Zero(kWords))));
-  const auto has_face = hn::AndNot(is_outside, hn::RebindMask(kWords, is_interval));
-  const auto is_x = hn::Eq(size[0], largest), is_y = hn::Eq(size[1], largest);
-  const Words dir[3] = {hn::BitCast(kWords, r.dir[0]), hn::BitCast(kWords, r.dir[1]), hn::BitCast(kWords, r.dir[2])};
-  const Words along = hn::IfThenElse(is_x, dir[0], hn::IfThenElse(is_y, dir[1], dir[2]));
-  const Words axis = hn::IfThenElse(is_x, hn::Zero(kWords), hn::IfThenElse(is_y, hn::Set(kWords, 2), hn::Set(kWords, 4)));
-  const Words face = hn::Or(axis, hn::ShiftRight<31>(along));
-  return hn::IfThenElse(has_face, face, hn::Set(kWords, kNoFace));
-}
-
 void find_faces(const Ray* rays, std::size_t count, std::uint8_t* faces) {
   const std::size_t width = hn::Lanes(kFloats), whole = count - count % width;
   const hn::Rebind<std::int32_t, decltype(kFloats)> ints;

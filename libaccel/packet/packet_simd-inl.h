@@ -9,11 +9,13 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 
 #include "libaccel/core/least_simd-inl.h"
+#include "libaccel/packet/frustum.h"
 #include "libaccel/packet/localized.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -48,8 +50,7 @@ struct alignas(64) Packet {
   float t[kMaxPacketSize], u[kMaxPacketSize], v[kMaxPacketSize];
   std::uint32_t prim_id[kMaxPacketSize];
 
-  const Ray* rays;            // of the batch
-  const std::uint32_t* ids;   // ray i is rays[ids[i]]
+  const std::uint32_t* ids;   // of the rays in the batch
   std::uint32_t size, lanes;  // of rays, and with those that fill the last group
   int kx, ky, kz;             // as in Watertight::RayData
   float origin[3];            // of the first ray
@@ -57,7 +58,10 @@ struct alignas(64) Packet {
   float largest_origin;       // of all coordinates, as magnitudes
   float reach = kInfinity;    // of LocatedBounds, where any-hit queries ask for these
 
-  HWY_INLINE const Ray& ray(std::uint32_t i) const { return rays[ids[i]]; }
+  // The interval that is left.
+  HWY_INLINE Ray ray(std::uint32_t i) const {
+    return {{org[0][i], org[1][i], org[2][i]}, t_min[i], {dir[0][i], dir[1][i], dir[2][i]}, t[i]};
+  }
 };
 
 HWY_INLINE float least_lane(Floats v) { return hn::GetLane(hn::MinOfLanes(kFloats, v)); }
@@ -120,16 +124,44 @@ HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* ids, std:
   return load_lanes([&](std::uint32_t i) -> const Ray& { return rays[ids[i]]; });
 }
 
-// Rays of one face, whose axis it is.
-HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32_t size, int axis, Packet& p) {
-  p.rays = rays, p.ids = ids, p.size = size, p.lanes = (size + width() - 1) / width() * width();
+// The bits of |x|, whose order as integers is that of the numbers, below those of NaN.
+HWY_INLINE Words bits_of_magnitude(Floats x) { return hn::BitCast(kWords, hn::Abs(x)); }
+
+// face_of() (packet/frustum.h).
+HWY_INLINE Words faces_of(const RayLanes& r) {
+  constexpr auto kMost = std::bit_cast<std::uint32_t>(kMaxCoordinate);
+  constexpr auto kLeast = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::min());
+  const Words one = hn::Set(kWords, 1);
+  Words size[3], largest_org = hn::Zero(kWords), largest = largest_org, smallest = hn::Set(kWords, 0xffffffffu);
+  for (int a = 0; a < 3; ++a) {
+    largest_org = hn::Max(bits_of_magnitude(r.org[a]), largest_org);
+    size[a] = bits_of_magnitude(r.dir[a]);
+    largest = hn::Max(size[a], largest);
+    smallest = hn::Min(hn::Sub(size[a], one), smallest);  // zeros are above all others
+  }
+  const Mask is_interval = hn::And(hn::Le(r.t_min, r.t_max), hn::Ge(r.t_max, hn::Zero(kFloats)));
+  const auto is_outside = hn::Or(hn::Gt(hn::Max(largest, largest_org), hn::Set(kWords, kMost)),
+                                 hn::Or(hn::Lt(smallest, hn::Set(kWords, kLeast - 1)), hn::Eq(largest, hn::Zero(kWords))));
+  const auto has_face = hn::AndNot(is_outside, hn::RebindMask(kWords, is_interval));
+  const auto is_x = hn::Eq(size[0], largest), is_y = hn::Eq(size[1], largest);
+  const Words dir[3] = {hn::BitCast(kWords, r.dir[0]), hn::BitCast(kWords, r.dir[1]), hn::BitCast(kWords, r.dir[2])};
+  const Words along = hn::IfThenElse(is_x, dir[0], hn::IfThenElse(is_y, dir[1], dir[2]));
+  const Words axis = hn::IfThenElse(is_x, hn::Zero(kWords), hn::IfThenElse(is_y, hn::Set(kWords, 2), hn::Set(kWords, 4)));
+  const Words face = hn::Or(axis, hn::ShiftRight<31>(along));
+  return hn::IfThenElse(has_face, face, hn::Set(kWords, kNoFace));
+}
+
+// Rays of one face, whose axis it is; lanes_at(i) are those from lane i on, and in lanes without a ray any one of them.
+template <class LanesAt>
+HWY_INLINE void fill_packet(std::uint32_t size, int axis, Packet& p, const LanesAt& lanes_at) {
+  p.size = size, p.lanes = (size + width() - 1) / width() * width();
   p.kz = axis, p.kx = (axis + 1) % 3, p.ky = (axis + 2) % 3;
-  for (int a = 0; a < 3; ++a) p.origin[a] = p.ray(0).org[a];
   Words differ = hn::Zero(kWords);
   Floats largest_origin = hn::Zero(kFloats);
   for (std::uint32_t i = 0; i < p.lanes; i += width()) {
-    const RayLanes r = gather_lanes(rays, ids + i, size - i);
+    const RayLanes r = lanes_at(i);
     for (int a = 0; a < 3; ++a) {
+      if (i == 0) p.origin[a] = hn::GetLane(r.org[a]);
       hn::Store(r.org[a], kFloats, p.org[a] + i), hn::Store(r.dir[a], kFloats, p.dir[a] + i);
       hn::Store(hn::Div(set(1), r.dir[a]), kFloats, p.inv[a] + i);
       largest_origin = most(hn::Abs(r.org[a]), largest_origin);
@@ -145,6 +177,12 @@ HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32
   p.has_one_origin = hn::AllTrue(kWords, hn::Eq(differ, hn::Zero(kWords)));
   p.largest_origin = most_lane(largest_origin);
   for (std::uint32_t i = size; i < p.lanes; ++i) p.t_min[i] = kInfinity, p.t[i] = -kInfinity;
+}
+
+// Those with these ids.
+HWY_INLINE void load_rays(const Ray* rays, const std::uint32_t* ids, std::uint32_t size, int axis, Packet& p) {
+  p.ids = ids;
+  fill_packet(size, axis, p, [=](std::uint32_t i) HWY_ATTR { return gather_lanes(rays, ids + i, size - i); });
 }
 
 // The answer to ray r.

@@ -65,7 +65,7 @@ HWY_NOINLINE std::uint32_t intersect_singly(Packet& p, std::uint32_t first, Mask
   std::uint32_t answered = 0;
   for (std::uint32_t rest = bits[0] | bits[1] << 8; rest != 0; rest &= rest - 1) {
     const std::uint32_t i = first + static_cast<std::uint32_t>(std::countr_zero(rest));
-    const Ray& ray = p.ray(i);
+    const Ray ray = p.ray(i);
     Hit candidate, hit{p.t[i], p.u[i], p.v[i], p.prim_id[i]};
     if (!Watertight::intersect(triangle, ray, Watertight::prepare(ray), candidate)) continue;
     candidate.prim_id = triangle.prim_id();

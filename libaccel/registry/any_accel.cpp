@@ -96,7 +96,7 @@ const std::vector<std::string>& modelled_tests() {
 }
 
 std::string best_method(const Purpose& purpose) {
-  const std::string_view kBest = purpose.instances ? "bvh8-instances/ordered" : "bvh8/stream";
+  const std::string_view kBest = purpose.instances ? "bvh8-instances/stream" : "bvh8/stream";
   const std::vector<MethodInfo>& all = methods();
   const auto serves = [&](const MethodInfo& m) { return m.builder == purpose.builder; };
   const auto first = std::find_if(all.begin(), all.end(), serves);

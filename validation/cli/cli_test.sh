@@ -335,10 +335,10 @@ test_grids() {
 }
 
 test_instances() {
-  expect 0 trace builtin:forest:3000 --method instances/stack,bvh8-instances/ordered,sbvh/stack --rays primary,diffuse,shadow,random,edge --explain
+  expect 0 trace builtin:forest:3000 --method instances/stack,bvh8-instances/stream,sbvh/stack --rays primary,diffuse,shadow,random,edge --explain
   says out instances/stack; says out "flattened to one mesh"; says out "triangles are stored, for"
   expect 0 trace builtin:forest:3000; says out bvh8/stream
-  says out "skipped: instances, because one mesh of 3,"; says out "--method bvh8-instances/ordered keeps them apart"
+  says out "skipped: instances, because one mesh of 3,"; says out "--method bvh8-instances/stream keeps them apart"
   expect 0 trace builtin:cornell --method all --check none; says out "the scene has no instances"
   expect 0 trace builtin:cornell --method instances/stack
 
@@ -346,7 +346,7 @@ test_instances() {
   printf '{"instances": [{}, {"scale": [2, -1, 1], "rotate": [0, 1, 0, 30], "translate": [3, 0, 0]}]}' >part.json
   expect 0 trace part.obj --method all --rays primary,edge --json - --quiet; json out 'j["context"]["triangles"] == 2'
   expect 0 build part.obj --structure instances -o part.accel; expect 0 trace part.accel; says out instances/stack
-  expect 0 build part.obj --structure bvh8-instances -o wide.accel; expect 0 trace wide.accel; says out bvh8-instances/ordered
+  expect 0 build part.obj --structure bvh8-instances -o wide.accel; expect 0 trace wide.accel; says out bvh8-instances/stream
   expect 0 build part.obj --structure sbvh -o flat.accel; expect 0 trace flat.accel; says out sbvh/stack
   printf '{"instances": [{}, {"scale": 0}]}' >part.json
   input_error trace part.obj; says err "part.json: instance 2"

@@ -249,7 +249,7 @@ TEST_F(AllocationFailure, BuildingInstances) {
   const auto scene = InstancedMeshes::make({small_mesh()}, {Instance{}, Instance{}});
   ASSERT_TRUE(scene) << scene.message();
   ASSERT_TRUE(scene->flattened());
-  for (const char* method : {"instances/stack", "instances/hash", "bvh8-instances/ordered", "bvh8/ordered"})
+  for (const char* method : {"instances/stack", "instances/hash", "bvh8-instances/stream", "bvh8/ordered"})
     fail_each(method, [&] { return AnyAccel::build(*scene, method, {.threads = 1}).ok(); });
 }
 

@@ -6,57 +6,91 @@
 
 #include "libaccel/build/wide_sbvh.h"
 #include "libaccel/exec/cpu.h"
+#include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/geometry/woop.h"
+#include "validation/stress/stress_instances.h"
+#include "validation/unit/build/built_instances.h"
 #include "validation/unit/build/test_meshes.h"
 #include "validation/unit/packet/packets_of_rays.h"
 
 namespace accel {
 namespace {
 
-template <class Test>
-void expect_single_rays_answers(const std::string& name, const Bvh8View& view, std::span<const Ray> rays,
+// Streams of a tree over triangles, and of one over instances.
+template <class Test, Query kQuery>
+Bvh8Stream<Test, kQuery> stream_of(const Bvh8View&);
+template <class Test, Query kQuery>
+Bvh8InstancesStream<Test, kQuery> stream_of(const TwoLevelBvh8View&);
+
+template <class Test, class View>
+void expect_single_rays_answers(const std::string& name, const View& view, std::span<const Ray> rays,
                                 const BatchSettings& settings) {
+  using Closest = decltype(stream_of<Test, Query::closest>(view));
+  using Any = decltype(stream_of<Test, Query::any>(view));
   std::vector<Hit> hits(rays.size(), Hit{1, 2, 3, 4}), expected(rays.size());
   std::vector<std::uint8_t> occluded(rays.size(), 7), blocked(rays.size());
   NullObserver observer;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    expected[i] = trace_ray<Bvh8Ordered<Test, Query::closest>>(view, rays[i], observer);
+    expected[i] = trace_ray<Closest>(view, rays[i], observer);  // its steps are those of single rays
     blocked[i] = expected[i].valid() ? 1 : 0;
   }
-  trace_closest<Bvh8Stream<Test, Query::closest>>(view, rays, hits, settings);
-  trace_any<Bvh8Stream<Test, Query::any>>(view, rays, occluded, settings);
+  trace_closest<Closest>(view, rays, hits, settings);
+  trace_any<Any>(view, rays, occluded, settings);
   EXPECT_TRUE(rays.empty() || std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)) == 0) << name;
   EXPECT_EQ(occluded, blocked) << name;
 }
 
+const PacketOptions kAllOptions[] = {{},
+                                     {.max_size = 1, .min_size = 1},
+                                     {.max_size = 100000, .block_size = 1000},
+                                     {.max_size = 33, .min_size = 1, .block_size = 257},
+                                     {.min_size = 1000000},
+                                     {.max_size = 0, .block_size = 1}};
+
 TEST(Bvh8Stream, HitsAreThoseOfSingleRaysWhateverThePackets) {
-  const PacketOptions all[] = {{},
-                               {.max_size = 1, .min_size = 1},
-                               {.max_size = 100000, .block_size = 1000},
-                               {.max_size = 33, .min_size = 1, .block_size = 257},
-                               {.min_size = 1000000},
-                               {.max_size = 0, .block_size = 1}};
   for (const auto& [name, mesh] : validation::stress_scenes()) {
     const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
     const std::vector<Ray> rays = test::mixed_rays(mesh, tree.bounds);
     ASSERT_TRUE(are_alike(std::span(rays).first(2000)));
-    for (const PacketOptions& options : all) expect_single_rays_answers<Watertight>(name, tree.view(), rays, {2, options});
+    for (const PacketOptions& options : kAllOptions)
+      expect_single_rays_answers<Watertight>(name, tree.view(), rays, {2, options});
     for (const std::size_t few : {0, 1, 7, 255})
       expect_single_rays_answers<Watertight>(name, tree.view(), std::span(rays).first(few), 1);
   }
 }
 
+TEST(Bvh8Stream, InInstancesWhateverThePackets) {
+  for (const auto& [name, scene] : validation::instanced_scenes(9)) {
+    const TwoLevelBvh8 levels = test::built<WideInstances>(scene);
+    const auto in_world = scene.flattened();
+    ASSERT_TRUE(in_world) << in_world.message();
+    const std::vector<Ray> rays = test::mixed_rays(*in_world, mesh_facts(*in_world).bounds);
+    for (const PacketOptions& options : kAllOptions)
+      expect_single_rays_answers<Watertight>(name, levels.view(), rays, {2, options});
+    for (const std::size_t few : {0, 1, 7, 255})
+      expect_single_rays_answers<Watertight>(name, levels.view(), std::span(rays).first(few), 1);
+  }
+}
+
 // Blocks that are large enough for trials: rays go all ways.
-TEST(Bvh8Stream, HitsAreThoseOfSingleRaysInTrials) {
-  const TriangleMesh mesh = test::soup(2000, 0.1f);
-  const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
-  const auto camera = Camera::make(default_camera(tree.bounds), 160, 120);
+template <class View>
+void expect_single_rays_answers_in_trials(const std::string& name, const View& view, const Aabb& bounds) {
+  const auto camera = Camera::make(default_camera(bounds), 160, 120);
   ASSERT_TRUE(camera) << camera.message();
   const auto primary = primary_rays(*camera);
   ASSERT_TRUE(are_alike(primary->rays.span()));
   for (const std::uint32_t block_size : {32768u, 7000u})
     for (const int threads : {1, 2})
-      expect_single_rays_answers<Watertight>("soup", tree.view(), primary->rays.span(), {threads, {.block_size = block_size}});
+      expect_single_rays_answers<Watertight>(name, view, primary->rays.span(), {threads, {.block_size = block_size}});
+}
+TEST(Bvh8Stream, HitsAreThoseOfSingleRaysInTrials) {
+  const Bvh8 tree = WideSbvh::build(test::soup(2000, 0.1f), {})->structure;
+  expect_single_rays_answers_in_trials("soup", tree.view(), tree.bounds);
+}
+TEST(Bvh8Stream, InInstancesInTrials) {
+  const auto scene = validation::instanced_scenes(9)[7].scene;
+  const TwoLevelBvh8 levels = test::built<WideInstances>(scene);
+  expect_single_rays_answers_in_trials("instances", levels.view(), levels.trees[0].bounds);
 }
 
 TEST(Bvh8Stream, WithAnotherTriangleTest) {
