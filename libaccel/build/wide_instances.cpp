@@ -29,19 +29,21 @@ Result<Collapsed> collapse(const TwoLevelBvh& binary, const BuildOptions& option
     const Bvh2 tree = binary.tree(i);
     BuildOptions of_tree = options;
     if (i == 0) of_tree.max_leaf_size = 1;  // instances that have a leaf each keep it
-    auto wide = tree.root != kNoNode ? collapse_wide(tree, of_tree) : Result<Bvh8>(Bvh8{});
+    auto wide = collapse_wide(tree, of_tree);
     if (!wide) return wide.error();
-    peak_bytes = std::max(peak_bytes, held + collapse_peak_bytes(tree, *wide));
+    peak_bytes = std::max(peak_bytes, held - tree.size_bytes() + collapse_peak_bytes(tree, *wide));
     held += wide->size_bytes();
     trees.push_back(*std::move(wide));
     triangles.push_back(binary.trees[i].triangles);
   }
-  std::vector<Bvh8Instance> instances;
-  for (const TwoLevelInstance& instance : binary.instances)
-    instances.push_back({instance.to_object, kNoNode, instance.tree, instance.first_prim, 1});
+  Buffer<Bvh8Instance> instances(binary.instances.size());
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const TwoLevelInstance& instance = binary.instances[i];
+    instances[i] = {instance.to_object, kNoNode, instance.tree, instance.first_prim, 1};
+  }
   auto joined = TwoLevelBvh8::join(trees, triangles, instances);
   if (!joined) return joined.error();
-  peak_bytes = std::max<std::uint64_t>(peak_bytes, held + joined->size_bytes());
+  peak_bytes = std::max<std::uint64_t>(peak_bytes, held + instances.size_bytes() + joined->size_bytes());
   return Collapsed{*std::move(joined), peak_bytes};
 }
 

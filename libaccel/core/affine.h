@@ -77,6 +77,13 @@ struct AffineInverse {
 };
 static_assert(sizeof(AffineInverse) == 48 && std::is_trivially_copyable_v<AffineInverse>, "structures rely on this layout");
 
+inline bool is_finite(const AffineInverse& map) {
+  bool finite = std::isfinite(map.origin.x) && std::isfinite(map.origin.y) && std::isfinite(map.origin.z);
+  for (const auto& row : map.linear)
+    for (const float x : row) finite = finite && std::isfinite(x);
+  return finite;
+}
+
 // The inverse of the linear part in double, with a relative error of 2^-34 at most in every entry.
 struct LinearInverse {
   double m[3][3];

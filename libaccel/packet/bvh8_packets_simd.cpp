@@ -87,9 +87,10 @@ class Flights {
   Aabb bounds_;
   bool from_far_end_;
   Answer* answers_;
-  std::size_t next_ = 0;                                                                     // of the batch's active packets
-  std::uint32_t taken_ = 0;                                                                  // of its rays
-  std::unique_ptr<Leaves<kQuery, View>> leaves_ = std::make_unique<Leaves<kQuery, View>>();  // too large for some stacks
+  std::size_t next_ = 0;     // of the batch's active packets
+  std::uint32_t taken_ = 0;  // of its rays
+  std::unique_ptr<Leaves<kQuery, View>> leaves_ =
+      std::make_unique_for_overwrite<Leaves<kQuery, View>>();  // too large for some stacks
 };
 
 template <Query kQuery, class View, class Answer>

@@ -20,6 +20,7 @@
 //
 // The box test of a ray is that of trace/bvh8_ray.h, so that a ray meets the triangles that it meets by itself, in another
 // order, and has the same hit bit for bit.
+//
 // Instances. Packets go through the tree over them in the same way. The rays that come to one make packets in its space, one
 // for each face that they have there, and what they hit is brought back; few rays go by turns.
 #pragma once

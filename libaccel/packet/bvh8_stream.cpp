@@ -149,7 +149,7 @@ void Bvh8StreamTracer<View, Answer>::try_ways(std::span<const Ray> rays, std::sp
 
 template <class View, class Answer>
 void Bvh8StreamTracer<View, Answer>::trace_packets(Way way, std::size_t first, std::size_t end, std::span<const Ray> rays,
-                                             std::span<Answer> answers) {
+                                                   std::span<Answer> answers) {
   LocalizedBatch batch = packets_.batch({}, rays.data(), order_.ids().data());
   batch.active += first, batch.count = end - first;
   if (way == Way::turns) {

@@ -1,4 +1,5 @@
-// Traces batches of rays through a Bvh8 in the way that is fastest for them: what people will use on a CPU.
+// Traces batches of rays through a Bvh8, or one of instances (structure/two_level_bvh8.h), in the way that is fastest for them:
+// what people will use on a CPU.
 //
 // Rays that run nearly as the ones before, as those of a picture or to a light, go in packets (packet/bvh8_packets_simd.h), in
 // the order of packet/block_order.h where that makes narrower frustums: tiles of a picture's rows, or runs of eight rays along
@@ -7,8 +8,9 @@
 // all ways, and the clock says which the others go in, and the next blocks. For any-hit queries these are three, since packets
 // may begin at either end.
 //
-// Hits are those of single rays, bit for bit, whatever the options. In the registry the method is a traverser that is
-// bvh8/ordered in all that concerns single rays: what counts their steps or models warps or streams sees that one.
+// Hits are those of single rays, bit for bit, whatever the options. In the registry the methods are traversers
+// that are bvh8/ordered and bvh8-instances/ordered in all that concerns single rays: what counts their steps or models warps or
+// streams sees these.
 #pragma once
 
 #include <atomic>
@@ -153,7 +155,8 @@ class Bvh8StreamBatch {
 template <class Base, class Test, Query kQuery>
 struct Bvh8StreamOf : Base {
   static constexpr const char* kName = "stream";
-  static constexpr SkippedFeature kSkips{"steps of packets", "counters, profiles and single rays are those of the method 'ordered'"};
+  static constexpr SkippedFeature kSkips{"steps of packets",
+                                         "counters, profiles and single rays are those of the method 'ordered'"};
 
   template <class TraceSingly>
   using Batch = Bvh8StreamBatch<typename Base::View, Test, kQuery, typename Base::template Batch<TraceSingly>, TraceSingly>;

@@ -22,10 +22,6 @@ namespace accel {
 namespace HWY_NAMESPACE {
 namespace {
 
-HWY_INLINE const char* place_of(const TwoLevelBvh8View& view, NodeRef ref) {
-  return is_instance(ref) ? reinterpret_cast<const char*>(view.instances + instance_number(ref)) : place_of(view.top(), ref);
-}
-
 // Rays as columns, with the lanes where they are in the packet outside, and their faces.
 struct alignas(64) RayColumns {
   static constexpr std::uint32_t kMost = kMaxPacketSize + 16;  // and room for a whole vector behind the last

@@ -18,6 +18,7 @@
 #include "libaccel/packet/packet_simd-inl.h"
 #include "libaccel/packet/pencil_simd-inl.h"
 #include "libaccel/packet/watertight_simd-inl.h"
+#include "libaccel/structure/two_level_bvh8.h"
 #include "libaccel/trace/bvh8_ray.h"
 #include "libaccel/trace/bvh8_simd.h"
 
@@ -167,11 +168,15 @@ HWY_INLINE std::uint32_t intersect_leaf(const TriangleBlock* blocks, NodeRef lea
   return answered;
 }
 
-// Begins to fetch what a reference names: a node, or the first block of a leaf.
+// What a reference names: a node, or the first block of a leaf, or an instance.
 HWY_INLINE const char* place_of(const Bvh8View& view, NodeRef ref) {
   return is_leaf(ref) ? reinterpret_cast<const char*>(view.blocks + first_block(ref))
                       : reinterpret_cast<const char*>(view.nodes + ref);
 }
+HWY_INLINE const char* place_of(const TwoLevelBvh8View& view, NodeRef ref) {
+  return is_instance(ref) ? reinterpret_cast<const char*>(view.instances + instance_number(ref)) : place_of(view.top(), ref);
+}
+// Begins to fetch it.
 template <class View>
 HWY_INLINE void fetch(const View& view, NodeRef ref) {
   const char* const at = place_of(view, ref);

@@ -1,7 +1,6 @@
 #include "libaccel/structure/two_level.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <type_traits>
 
@@ -53,12 +52,6 @@ auto joined(const std::vector<Bvh2>& trees, std::uint64_t size, const ArrayOf& a
     out = std::copy(part.begin(), part.end(), out);
   }
   return result;
-}
-
-bool is_finite(const AffineInverse& map) {
-  const auto finite = [](float x) { return std::isfinite(x); };
-  return std::all_of(&map.linear[0][0], &map.linear[0][0] + 9, finite) && finite(map.origin.x) && finite(map.origin.y) &&
-         finite(map.origin.z);
 }
 
 Status validate_instances(const TwoLevelBvh& bvh, std::uint64_t triangle_count) {

@@ -1,7 +1,6 @@
 #include "libaccel/structure/two_level_bvh8.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 namespace accel {
@@ -66,12 +65,6 @@ class TopTree {
   std::vector<TriangleBlock> blocks_;
 };
 
-bool is_finite(const AffineInverse& map) {
-  const auto finite = [](float x) { return std::isfinite(x); };
-  return std::all_of(&map.linear[0][0], &map.linear[0][0] + 9, finite) && finite(map.origin.x) && finite(map.origin.y) &&
-         finite(map.origin.z);
-}
-
 Status validate_trees(const TwoLevelBvh8& bvh) {
   std::uint64_t nodes = 0, blocks = 0;
   std::uint32_t depth = 0;
@@ -134,7 +127,7 @@ Bvh8 TwoLevelBvh8::tree(std::size_t i) const {
 }
 
 Result<TwoLevelBvh8> TwoLevelBvh8::join(const std::vector<Bvh8>& trees, const std::vector<std::uint64_t>& triangles,
-                                        const std::vector<Bvh8Instance>& instances) {
+                                        const Buffer<Bvh8Instance>& instances) {
   TwoLevelBvh8 result;
   if (trees.empty()) return result;
   result.trees = Buffer<Bvh8Tree>(trees.size());
@@ -162,16 +155,18 @@ Result<TwoLevelBvh8> TwoLevelBvh8::join(const std::vector<Bvh8>& trees, const st
   }
 
   // Runs of instances, in the order in which the tree over them names them.
-  std::vector<Bvh8Instance> in_order;
+  result.instances = Buffer<Bvh8Instance>(trees[0].references);
+  std::uint32_t count = 0;
   const auto add_run = [&](NodeRef leaf) {
-    const NodeRef ref = instance_ref(static_cast<std::uint32_t>(in_order.size()));
-    const std::uint32_t count = block_count(trees[0].blocks, leaf);
-    for (std::uint32_t b = first_block(leaf); b < first_block(leaf) + count; ++b)
+    const NodeRef ref = instance_ref(count);
+    const std::uint32_t first = first_block(leaf), end = first + block_count(trees[0].blocks, leaf);
+    for (std::uint32_t b = first; b < end; ++b)
       for (std::uint32_t lane = 0; lane < kBlockLanes && trees[0].blocks[b].has(lane); ++lane) {
-        Bvh8Instance& instance = in_order.emplace_back(instances[trees[0].blocks[b].prim_id[lane]]);
+        Bvh8Instance& instance = result.instances[count++];
+        instance = instances[trees[0].blocks[b].prim_id[lane]];
         instance.root = result.trees[instance.tree].root, instance.ends_leaf = 0;
       }
-    in_order.back().ends_leaf = 1;
+    result.instances[count - 1].ends_leaf = 1;
     return ref;
   };
   Bvh8Tree& top = result.trees[0];
@@ -181,13 +176,14 @@ Result<TwoLevelBvh8> TwoLevelBvh8::join(const std::vector<Bvh8>& trees, const st
     for (NodeRef& child : result.nodes[n].child)
       if (is_leaf(child) && child != kNoNode) child = add_run(child);
   }
-  top.triangles = in_order.size();
+  top.triangles = count;
   result.root = top.root;
-  result.instances = Buffer<Bvh8Instance>::copy_of(in_order);
   return result;
 }
 
 Status validate(const TwoLevelBvh8& bvh, std::uint64_t triangle_count) {
+  if (bvh.nodes.size() >= kLeafBit || bvh.blocks.size() > kMaxBlocks)
+    return Error{"more nodes or blocks of triangles than a reference can name"};
   if (bvh.trees.empty()) {
     if (bytes_of_arrays(bvh) == 0 && triangle_count == 0 && bvh.root == kNoNode) return Done{};
     return Error{"there is no tree, but there are nodes, blocks, instances or triangles"};

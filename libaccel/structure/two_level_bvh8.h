@@ -95,7 +95,7 @@ struct TwoLevelBvh8 : TwoLevelBvh8Words {
   // prim_ids: the only ones that get a place. triangles[i] is Bvh8Tree's; of the instances only roots and ends are filled in.
   // Fails when nodes, blocks or instances outgrow the bits of a reference.
   static Result<TwoLevelBvh8> join(const std::vector<Bvh8>& trees, const std::vector<std::uint64_t>& triangles,
-                                   const std::vector<Bvh8Instance>& instances);
+                                   const Buffer<Bvh8Instance>& instances);
 };
 
 // As validate(const Bvh8&, ...); `triangle_count` is the number of prim_ids of the whole scene.

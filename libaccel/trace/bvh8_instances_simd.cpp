@@ -44,12 +44,6 @@ struct InstanceFlight : Flight<Watertight, Slabs> {
     return is_instance(ref) ? enter(view, view.instances[instance_number(ref)]) : leave<kQuery>(view);
   }
 
-  template <Query kQuery>
-  HWY_INLINE NodeRef intersect(const TwoLevelBvh8View& view, const TriangleBlock& triangles) {
-    const NodeRef next = Base::template intersect<kQuery>(view, triangles);
-    return next == Base::kBottom ? kBottom : next;  // an answer
-  }
-
  private:
   HWY_INLINE NodeRef enter(const TwoLevelBvh8View& view, const Bvh8Instance& next) {
     ray_inside = next.to_object.ray(*ray);

@@ -83,7 +83,7 @@ struct alignas(64) Flight {
     const bool has_answer = HWY_LIKELY(counted_blocks(ref) != 0)
                                 ? BlockTest<Test>::template intersect<kQuery>(triangles, *ray, test, boxes.t_min, hit)
                                 : intersect_leaf<Test, kQuery>(view, ref, *ray, test, boxes.t_min, hit);
-    if (kQuery == Query::any && has_answer) return kBottom;
+    if (kQuery == Query::any && has_answer) return stack.node[0];
     if (kQuery == Query::closest && hit.t < t) {
       limit = scaled_end<Slabs>(hit.t);
       drop_postponed();
@@ -148,9 +148,13 @@ void trace_interleaved(const View& view, const Ray* rays, std::size_t count, Ans
   }
   TriangleBlock room[kRaysInTurn];
   for (std::size_t next = 0;;) {
+    // In place, here and below: who goes on to a step of the same kind is queued before the next is read.
+    //
     // Rays that have ended make room for the next ones; others change trees.
-    while (at_ends > 0) {
-      F& f = *at_end[--at_ends];
+    const std::uint32_t ending = at_ends;
+    at_ends = 0;
+    for (std::uint32_t i = 0; i < ending; ++i) {
+      F& f = *at_end[i];
       if (f.ray != nullptr) {
         if constexpr (F::kHasInstances)
           if (!f.is_through()) {
@@ -167,9 +171,8 @@ void trace_interleaved(const View& view, const Ray* rays, std::size_t count, Ans
       f.begin(rays[next++], slopes);
       queue(f, view.root);
     }
-    if (at_nodes + at_blocks == 0) return;
+    if (at_nodes + at_blocks + at_ends == 0) return;
 
-    // In place: who goes on to another node is queued before the next is read.
     const std::uint32_t descending = at_nodes;
     at_nodes = 0;
     for (std::uint32_t i = 0; i < descending; ++i) {

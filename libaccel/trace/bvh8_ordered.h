@@ -46,7 +46,7 @@ struct Bvh8OrderedWithin {
     Stack* stack;
   };
 
-  // For instances: see trace/two_level.h. Their numbers are where blocks are else.
+  // For instances: see trace/two_level.h. In the tree over them, `block` is the number of one.
   ACCEL_HD static std::uint32_t& leaf(State& state) { return state.block; }
   ACCEL_HD static Phase end_leaf(const View&, State&, const Hit&) { return Phase::backtrack; }
 

@@ -75,36 +75,54 @@ TEST(Bvh8PacketsSimd, HitsInInstancesAreThoseOfSingleRays) {
 }
 
 // Any-hit packets decide most rays by bounds of t: limits at t, and next to it, are what these cannot tell.
-TEST(Bvh8PacketsSimd, AnyHitsBeginAndEndWithTheirInterval) {
-  std::size_t limited = 0, open = 0;
-  for (const auto& [name, mesh] : validation::stress_scenes()) {
-    const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
-    if (is_leaf(tree.root)) continue;
+struct Limited {
+  std::size_t limited = 0, open = 0;  // rays whose interval begins or ends there, and those of them that meet nothing
+
+  template <template <class, Query> class Traverser, class View>
+  void expect_hits_of_single_rays(const std::string& scene, const View& view, const TriangleMesh& mesh) {
     test::PacketArrays arrays(mesh, test::octo_tree(mesh));
     NullObserver observer;
     std::vector<std::uint8_t> blocked(arrays.rays.size());
     for (std::size_t i = 0; i < arrays.rays.size(); ++i) {
       Ray& ray = arrays.rays[i];
-      const Hit hit = trace_ray<Bvh8Ordered<Watertight, Query::closest>>(tree.view(), ray, observer);
+      const Hit hit = trace_ray<Traverser<Watertight, Query::closest>>(view, ray, observer);
       const bool is_limited = hit.valid() && hit.t > 0;
       if (is_limited) {
         const float ends[] = {hit.t, next_down(hit.t), hit.t * (1 + 0x1p-20f), hit.t * (1 - 0x1p-20f)};
         const float begins[] = {0, hit.t, next_up(hit.t)};
         ray.t_max = i % 6 == 5 ? ray.t_max : ends[i % 4], ray.t_min = i % 6 == 5 ? begins[i / 6 % 3] : 0;
       }
-      blocked[i] = trace_ray<Bvh8Ordered<Watertight, Query::any>>(tree.view(), ray, observer).valid() ? 1 : 0;
+      blocked[i] = trace_ray<Traverser<Watertight, Query::any>>(view, ray, observer).valid() ? 1 : 0;
       limited += is_limited ? 1 : 0, open += is_limited && blocked[i] == 0 ? 1 : 0;
     }
     const LocalizedBatch batch = arrays.batch(Bvh2{});
-    test::on_every_target([&, &scene = name] {
+    test::on_every_target([&] {
       std::vector<std::uint8_t> occluded(arrays.rays.size(), 7);
-      trace_bvh8_packets_simd(tree.view(), batch, arrays.faces.data(), occluded.data(), false);
+      trace_bvh8_packets_simd(view, batch, arrays.faces.data(), occluded.data(), false);
       EXPECT_EQ(occluded, blocked) << scene << packet_simd_target();
     });
   }
-  EXPECT_GT(limited, 1000u);
-  EXPECT_GT(open, limited / 8);
-  EXPECT_LT(open, limited * 7 / 8);
+  ~Limited() {
+    EXPECT_GT(limited, 1000u);
+    EXPECT_GT(open, limited / 8);
+    EXPECT_LT(open, limited * 7 / 8);
+  }
+};
+
+TEST(Bvh8PacketsSimd, AnyHitsBeginAndEndWithTheirInterval) {
+  Limited rays;
+  for (const auto& [name, mesh] : validation::stress_scenes()) {
+    const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
+    if (!is_leaf(tree.root)) rays.expect_hits_of_single_rays<Bvh8Ordered>(name, tree.view(), mesh);
+  }
+}
+
+TEST(Bvh8PacketsSimd, AnyHitsInInstancesBeginAndEndWithTheirInterval) {
+  Limited rays;
+  for (const auto& [name, scene] : validation::instanced_scenes(10)) {
+    const TwoLevelBvh8 levels = test::built<WideInstances>(scene);
+    if (!is_leaf(levels.root)) rays.expect_hits_of_single_rays<Bvh8Instances>(name, levels.view(), *scene.flattened());
+  }
 }
 
 }  // namespace

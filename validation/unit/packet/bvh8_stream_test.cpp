@@ -93,6 +93,27 @@ TEST(Bvh8Stream, InInstancesInTrials) {
   expect_single_rays_answers_in_trials("instances", levels.view(), levels.trees[0].bounds);
 }
 
+// Rays whose directions in an instance's space have components below those of normal numbers go by turns there.
+TEST(Bvh8Stream, InInstancesWhereRaysTakeNoPartInPackets) {
+  Affine stretched;
+  stretched.m[2][2] = 1e18f;
+  const auto scene =
+      InstancedMeshes::make({test::soup(200, 0.3f)}, {Instance{}, Instance{0, stretched}, Instance{0, stretched}});
+  ASSERT_TRUE(scene) << scene.message();
+  const TwoLevelBvh8 levels = test::built<WideInstances>(*scene);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 600; ++i) {
+    const float y = 0.001f * static_cast<float>(i % 30), z = 0.03f * static_cast<float>(i / 30);
+    rays.push_back({.org = {-1, y, i % 2 == 0 ? z * 1e18f : z}, .dir = {1, 0.5f - y, 1e-22f}});
+  }
+  ASSERT_LT(face_of(rays[0]), kNoFace);
+  std::size_t without_face = 0;
+  for (const Bvh8Instance& instance : levels.instances)
+    without_face += face_of(instance.to_object.ray(rays[0])) == kNoFace ? 1 : 0;
+  ASSERT_EQ(without_face, 2u);
+  expect_single_rays_answers<Watertight>("stretched", levels.view(), rays, 1);
+}
+
 TEST(Bvh8Stream, WithAnotherTriangleTest) {
   const TriangleMesh mesh = test::soup(500, 0.3f);
   const Bvh8 tree = WideSbvh::build(mesh, {})->structure;
