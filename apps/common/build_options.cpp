@@ -41,20 +41,14 @@ std::string method_of(const std::string& builder) {
   return {};
 }
 
-std::string builder_of(const std::string& method) {
-  for (const MethodInfo& m : methods())
-    if (m.name == method) return m.builder;
-  return {};
-}
-
 Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
 
-// The method to build for, which --structure and --for agree on; by default the best.
+// The method to build for, which --structure and --for agree on; by default none.
 Outcome<std::string> choose_method(const std::string& structure, const std::string& method) {
   const std::vector<std::string_view> known = builders();
   if (!structure.empty() && std::find(known.begin(), known.end(), structure) == known.end())
     return usage("--structure: " + unknown_name("structure", structure, known).message);
-  if (method.empty()) return structure.empty() ? best_method() : method_of(structure);
+  if (method.empty()) return structure.empty() ? std::string() : method_of(structure);
   const Result<std::string> found = find_method(method);
   if (!found) return usage("--for: " + found.message());
   const std::string builder = builder_of(*found);
@@ -65,6 +59,12 @@ Outcome<std::string> choose_method(const std::string& structure, const std::stri
 }
 
 }  // namespace
+
+std::string builder_of(const std::string& method) {
+  for (const MethodInfo& m : methods())
+    if (m.name == method) return m.builder;
+  return {};
+}
 
 Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   CLI::App app(kDescription, "accel-build");
@@ -81,7 +81,9 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
       ->group("Output");
   std::vector<std::string> names;
   for (const std::string_view name : builders()) names.emplace_back(name);
-  std::string list = wrapped("what to build [" + builder_of(best_method()) + "]: " + join(names, ", "), 66, "");
+  std::string list = wrapped("what to build [" + builder_of(best_method()) + ", of large scenes of copies " +
+                                 builder_of(best_method({.instances = true})) + "]: " + join(names, ", "),
+                             66, "");
   list.pop_back();
   app.add_option("-s,--structure", structure, list)->type_name("NAME")->group("Build");
   app.add_option("--for", method, "build what this method traces, with the arrays that it reads")
@@ -107,7 +109,6 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   auto chosen = choose_method(structure, method);
   if (!chosen) return chosen.failure();
   settings.method = *std::move(chosen);
-  settings.builder = builder_of(settings.method);
   if (auto writable = check_outputs({{"--output", settings.output}, {"--json", settings.json}}); !writable)
     return writable.failure();
   return settings;

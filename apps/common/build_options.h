@@ -14,14 +14,16 @@ struct BuildSettings {
   bool list = false;
 
   std::string scene;
-  std::string output;   // empty: only report
-  std::string builder;  // "sbvh"
-  std::string method;   // that the structure is for: of the builder's, the one that was asked for, or the first
+  std::string output;  // empty: only report
+  std::string method;  // that the structure is for: the one that was asked for, or the builder's first; empty: the best
   BuildOptions build;
   bool stats = false;    // histograms, and what is expensive to compute
   bool explain = false;  // what the build left out, and why
   std::string json;      // empty: none; "-": standard output
 };
+
+// That of a method's structure.
+std::string builder_of(const std::string& method);
 
 // Errors are usage errors; names of structures and methods are looked up here.
 Outcome<BuildSettings> parse_build_options(int argc, char** argv);

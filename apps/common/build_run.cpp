@@ -70,11 +70,13 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
   auto scene = open_scene(settings.scene, settings.common.seed, bar.callback());
   if (!scene) return scene.failure();
 
-  bar.begin("building " + settings.builder);
+  const std::string method =
+      settings.method.empty() ? best_method({.instances = scene->data.is_better_apart()}) : settings.method;
+  bar.begin("building " + builder_of(method));
   BuildOptions options = settings.build;
   options.progress = bar.callback();
-  const auto accel = scene->data.instances ? AnyAccel::build(*scene->data.instances, settings.method, options)
-                                           : AnyAccel::build(scene->data.mesh, settings.method, options);
+  const auto accel = scene->data.instances ? AnyAccel::build(*scene->data.instances, method, options)
+                                           : AnyAccel::build(scene->data.mesh, method, options);
   if (!accel) return accel.error();
 
   const StructureFacts facts = facts_of(accel->structure(), options, settings.stats ? Detail::all : Detail::quick);
@@ -86,7 +88,7 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
   }
   const int threads = settings.common.threads > 0 ? settings.common.threads : tbb::info::default_concurrency();
   return BuildRunReport{scene->name,
-                        settings.builder,
+                        accel->method().builder,
                         accel->method().structure,
                         scene->triangles().size(),
                         scene->skipped_faces,

@@ -14,10 +14,8 @@ const MethodInfo& method_info(const std::string& name) {
   return *std::find_if(methods().begin(), methods().end(), [&](const MethodInfo& m) { return m.name == name; });
 }
 
-// Whether instances are kept apart when the user does not say. One mesh is faster to trace, as long as it is not too large.
-bool keeps_instances(const Scene& scene) {
-  return scene.data.instances && (scene.stored || scene.facts.triangles >= kLargeMesh);
-}
+// Whether instances are kept apart when the user does not say.
+bool keeps_instances(const Scene& scene) { return scene.data.instances && (scene.stored || scene.data.is_better_apart()); }
 
 // The method to use when the user does not say.
 std::string best_for(const Scene& scene) {

@@ -249,7 +249,7 @@ class GltfReader {
     for (const TriangleMesh& mesh : meshes) own += mesh.size();
     for (const Instance& instance : instances_) placed += meshes[instance.mesh].size();
     SceneData scene;
-    if (placed >= kLargeMesh && placed > kMostlyCopies * own) {
+    if (are_better_apart(placed, own)) {
       Result<InstancedMeshes> made = InstancedMeshes::make(std::move(meshes), std::move(instances_));
       if (!made) return made.error();
       scene.instances = *std::move(made);

@@ -8,8 +8,8 @@
 // and rounded to floats, and so is each position that they place.
 //
 // Meshes that many nodes place (or EXT_mesh_gpu_instancing) are kept as instances where one mesh would be large and mostly
-// copies; below that, one mesh is three times as fast to trace. prim_ids are the same either way. Instances need transforms
-// that have an inverse (geometry/instanced_meshes.h).
+// copies (geometry/scene_data.h). prim_ids are the same either way. Instances need transforms that have an inverse
+// (geometry/instanced_meshes.h).
 //
 // Of the extensions that a file requires, those of materials, textures and the like are passed over; known are
 // KHR_mesh_quantization, EXT_mesh_gpu_instancing and KHR_lights_punctual; others, compressed meshes among them, are errors.
@@ -27,8 +27,6 @@
 #include "libaccel/io/load_mesh.h"
 
 namespace accel {
-
-inline constexpr std::uint64_t kMostlyCopies = 4;
 
 // `name` is the file's: for messages, and to find the files that it names.
 Result<SceneData> parse_gltf(std::span<const std::byte> bytes, const std::string& name, const LoadOptions& options = {});
