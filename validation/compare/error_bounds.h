@@ -58,7 +58,7 @@
 // which is added to eps_x, whose formula then takes |X|, |S_x Z| and |x| larger by a_x or by that. The depths of the vertices
 // in the bound of t are off by the largest eps_z. All triangles of an instance are tested with one rounded ray, so that
 // vertices that they share move together, as the argument of judge.h wants; those of different instances do not. The axes are
-// those that the rounded direction chooses; r >= 1/2 excuses everything.
+// those that the rounded direction chooses. r >= 1/2 excuses everything: nothing bounds the rounded ray there.
 //
 // Other engines compute otherwise. They are measured by this bound all the same, so that one number means one thing.
 #pragma once
@@ -67,6 +67,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "libaccel/core/affine.h"
 #include "libaccel/core/float_bounds.h"
@@ -125,8 +126,10 @@ class RayFrame {
     dir_z_ = local_dir[kz_], shear_x_ = local_dir[kx_] / dir_z_, shear_y_ = local_dir[ky_] / dir_z_;
     a_x_ = org_error[kx_], a_y_ = org_error[ky_], a_z_ = org_error[kz_];
     b_x_ = dir_error[kx_], b_y_ = dir_error[ky_], b_z_ = dir_error[kz_];
+    is_bounded_ = b_z_ < 0.5 * std::abs(dir_z_);
   }
 
+  // Where the ray is bounded.
   FrameVertex operator()(Vec3 v) const {
     const double dx = v[kx_] - org_x_, dy = v[ky_] - org_y_, dz = v[kz_] - org_z_;
     const double x = dx - shear_x_ * dz, y = dy - shear_y_ * dz;
@@ -134,7 +137,7 @@ class RayFrame {
 
     // In an instance's space: what the ray's rounding adds.
     const double r = b_z_ / std::abs(dir_z_);
-    const double t_max = r < 0.5 ? (std::abs(dz) + a_z_) / (std::abs(dir_z_) * (1 - r)) : INFINITY;
+    const double t_max = (std::abs(dz) + a_z_) / (std::abs(dir_z_) * (1 - r));
     const double eps_z = a_z_ + t_max * b_z_;
     const auto moved = [&](double d, double shear, double sum, double a, double b) {
       const double beside = a + t_max * b + std::abs(shear) * eps_z;
@@ -145,6 +148,7 @@ class RayFrame {
 
   double dir_z() const { return dir_z_; }
   bool is_traceable() const { return is_traceable_; }
+  bool is_bounded() const { return is_bounded_; }
 
  private:
   static double epsilon(double difference, double sheared, double sum, double z) {
@@ -155,7 +159,7 @@ class RayFrame {
   int kz_, kx_, ky_;
   double org_x_, org_y_, org_z_, dir_z_, shear_x_, shear_y_;
   double a_x_ = 0, a_y_ = 0, a_z_ = 0, b_x_ = 0, b_y_ = 0, b_z_ = 0;  // errors of the ray in an instance's space
-  bool is_traceable_ = true;
+  bool is_traceable_ = true, is_bounded_ = true;
 };
 
 // The edge function of an edge, and the bound of its error.
@@ -188,6 +192,11 @@ struct TriangleBounds {
 
   TriangleBounds(const RayFrame& frame, const Triangle& triangle)
       : vertex{frame(triangle.v0), frame(triangle.v1), frame(triangle.v2)} {
+    if (!frame.is_bounded()) {
+      possible = frame.is_traceable(), edge_near = {true, true, true};
+      std::swap(t_lo, t_hi);
+      return;
+    }
     const std::array<BoundedEdge, 3> edges{BoundedEdge{vertex[1], vertex[2]}, BoundedEdge{vertex[2], vertex[0]},
                                            BoundedEdge{vertex[0], vertex[1]}};
     bool positive = false, negative = false;

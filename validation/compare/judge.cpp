@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "libaccel/core/float_bounds.h"
 #include "libaccel/trace/traverser.h"
@@ -10,13 +12,17 @@
 namespace accel::validation {
 namespace {
 
-// The end of the interval in which a hit may lie.
-double last_t(const Ray& ray) { return std::min(ray.t_max, std::numeric_limits<float>::max()); }
-
 // Whether two ranges of t meet.
 bool overlap(const TriangleBounds& a, const TriangleBounds& b) { return a.t_lo <= b.t_hi && b.t_lo <= a.t_hi; }
 
 }  // namespace
+
+double last_t(const Ray& ray) { return std::min(ray.t_max, std::numeric_limits<float>::max()); }
+
+bool is_plausible(const Ray& ray, const Hit& hit) {
+  const bool inside = hit.t >= first_t(ray) && hit.t <= last_t(ray);  // false for NaN
+  return inside && std::isfinite(hit.u) && std::isfinite(hit.v);
+}
 
 std::string_view to_string(Verdict verdict) {
   constexpr std::array<std::string_view, kVerdicts> kNames{"right", "neighbour", "edge",  "miss",
@@ -31,8 +37,7 @@ Verdict Judge::judge(const Ray& ray, const Hit& hit, const ExactHit& exact) cons
 }
 
 Verdict Judge::judge_hit(const Ray& ray, const Hit& hit, const ExactHit& exact) const {
-  const bool inside = hit.t >= first_t(ray) && hit.t <= last_t(ray);  // false for NaN
-  if (!oracle_.is_known(hit.prim_id) || !is_traceable(ray) || !inside) return Verdict::false_hit;
+  if (!oracle_.is_known(hit.prim_id) || !is_traceable(ray) || !is_plausible(ray, hit)) return Verdict::false_hit;
 
   const TriangleBounds allowed = bounds(ray, hit.prim_id);
   const bool behind = exact.valid() && hit.t > exact.t;
@@ -54,7 +59,7 @@ Verdict Judge::judge_any(const Ray& ray, bool occluded, bool exact) const {
 bool Judge::agree(const Ray& ray, const Hit& a, const Hit& b) const {
   if (a.prim_id != b.prim_id) return false;
   if (!a.valid()) return true;
-  if (!oracle_.is_known(a.prim_id) || !is_traceable(ray)) return false;
+  if (!oracle_.is_known(a.prim_id) || !is_traceable(ray) || !is_plausible(ray, a) || !is_plausible(ray, b)) return false;
   const TriangleBounds allowed = bounds(ray, a.prim_id);
   return allowed.allows(a.t) && allowed.allows(b.t);
 }

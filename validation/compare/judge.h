@@ -11,7 +11,7 @@
 //   miss       no hit where a watertight test must find one.
 //   far        a hit behind a hit that a watertight test must find; or one whose t is beyond t* and outside its bound.
 //   false      a hit on a primitive that the ray does not pass within its bound; or one whose t is not beyond t* and
-//              outside its bound; or one outside the ray's interval.
+//              outside its bound; or one outside the ray's interval, or whose u or v is no finite number.
 //
 // miss, far and false are failures.
 //
@@ -63,6 +63,11 @@ inline constexpr int kVerdicts = 8;
 constexpr bool is_failure(Verdict v) { return v == Verdict::miss || v == Verdict::far || v == Verdict::false_hit; }
 std::string_view to_string(Verdict verdict);
 
+// The end of the interval in which a hit may lie.
+double last_t(const Ray& ray);
+// Whether t is in the interval, and u and v are numbers.
+bool is_plausible(const Ray& ray, const Hit& hit);
+
 // Queries are const and may run on any number of threads.
 class Judge {
  public:
@@ -81,7 +86,8 @@ class Judge {
   // `exact` is oracle().any(ray).
   Verdict judge_any(const Ray& ray, bool occluded, bool exact) const;
 
-  // Whether two closest hits are the same answer: both misses, or the same primitive with both t within its bound.
+  // Whether two closest hits are the same answer: both misses, or the same primitive with both t within its bound, and both
+  // plausible.
   bool agree(const Ray& ray, const Hit& a, const Hit& b) const;
 
  private:

@@ -10,16 +10,13 @@
 namespace accel::validation {
 namespace {
 
-double last_t(const Ray& ray) { return std::min(ray.t_max, std::numeric_limits<float>::max()); }
-
 enum class HitVerdict : std::uint8_t { right, edge, false_hit };
 
 // Whether rounding leaves no doubt that a hit is in the interval.
 bool is_surely_inside(const Ray& ray, const TriangleBounds& b) { return b.t_lo >= first_t(ray) && b.t_hi <= last_t(ray); }
 
 HitVerdict judge_one(const Judge& judge, const Ray& ray, const Hit& hit) {
-  const bool inside = hit.t >= first_t(ray) && hit.t <= last_t(ray);  // false for NaN
-  if (!is_traceable(ray) || !inside || !judge.oracle().is_known(hit.prim_id)) return HitVerdict::false_hit;
+  if (!is_traceable(ray) || !is_plausible(ray, hit) || !judge.oracle().is_known(hit.prim_id)) return HitVerdict::false_hit;
   const TriangleBounds b = judge.bounds(ray, hit.prim_id);
   if (!b.allows(hit.t)) return HitVerdict::false_hit;
   return b.near_any_edge() || !is_surely_inside(ray, b) ? HitVerdict::edge : HitVerdict::right;

@@ -129,9 +129,9 @@ class LeakRun {
 
   // Whether an answer is one that a closed mesh does not explain.
   bool is_suspicious(std::size_t i, const Hit& hit) const {
-    if (!hit.valid() || hit.t > 1 + kSlack) return true;
+    if (!hit.valid() || !(hit.t <= 1 + kSlack)) return true;
     const Hit other = chunk_.robust.empty() ? hit : chunk_.robust[i];
-    return !other.valid() || std::fabs(hit.t - other.t) > kSlack * std::fabs(other.t);
+    return !other.valid() || !(std::fabs(hit.t - other.t) <= kSlack * std::fabs(other.t));
   }
   bool is_in_sample(std::size_t i) const { return CounterRng(run_.seed, chunk_.first + i, 9).next_double() < sample_share_; }
 

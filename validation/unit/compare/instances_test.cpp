@@ -93,6 +93,22 @@ TEST(JudgeOfInstances, RefutesWrongAnswers) {
   EXPECT_EQ(judge.judge_any(ray, false, true), Verdict::miss);
 }
 
+// A map that all but flattens space: its inverse is in range, and rounding may turn a ray in its space by more than it has of
+// direction. What the traversers' arithmetic finds there is excused, and proves nothing.
+TEST(JudgeOfInstances, ExcusesEverythingWhereRoundingMayTurnTheRay) {
+  const Affine flat{{{1, 0, 0, 0}, {0, 1, 1, 0}, {0, 1, 1 + 0x1p-23f, 0}}};
+  const InstancedMeshes scene = made({mesh_of({{{-1, 0, -1}, {2, 0, -1}, {0, 0, 2}}})}, {{0, flat}});
+  const Judge judge(scene);
+  const Ray ray{{0.25f, -2, -2}, 0, {0, 1, 1}};
+  const Hit hit = brute_force<Watertight>(scene, ray);
+  ASSERT_TRUE(hit.valid());
+  const ExactHit exact = judge.oracle().closest(ray);
+  EXPECT_FALSE(is_failure(judge.judge(ray, hit, exact)));
+  EXPECT_FALSE(is_failure(judge.judge(ray, Hit{}, exact)));
+  EXPECT_FALSE(is_failure(judge.judge_any(ray, true, exact.valid())));
+  EXPECT_FALSE(is_failure(judge.judge_any(ray, false, exact.valid())));
+}
+
 // Edges inside of an instance leak nothing; two instances side by side share none.
 TEST(JudgeOfInstances, MustHitHoldsInsideOfAnInstance) {
   const TriangleMesh square = mesh_of({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {{0, 0, 0}, {1, 1, 0}, {0, 1, 0}}});

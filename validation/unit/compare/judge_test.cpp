@@ -189,6 +189,22 @@ TEST(Judge, AgreementNeedsPrimitiveAndBoundedT) {
   EXPECT_FALSE(referee.agree(ray, hit_at(1.5f, 0), hit_at(1.5f, 1)));
   EXPECT_FALSE(referee.agree(ray, hit_at(1.5f, 0), hit_at(1.5001f, 0)));
   EXPECT_FALSE(referee.agree(ray, hit_at(1.6f, 0), hit_at(1.6f, 0))) << "both wrong";
+  const Ray ends = ray_to(ray.org, ray.dir, 0, 1.5f);
+  EXPECT_TRUE(referee.agree(ends, hit_at(1.5f, 0), hit_at(1.5f, 0)));
+  EXPECT_FALSE(referee.agree(ends, hit_at(next_up(1.5f), 0), hit_at(1.5f, 0))) << "beyond the interval, within the bound";
+  EXPECT_FALSE(referee.agree(ends, hit_at(1.5f, 0), hit_at(next_up(1.5f), 0)));
+}
+
+TEST(Judge, BarycentricsThatAreNoNumbersAreWrong) {
+  const Judge referee(test::square());
+  const Ray ray = ray_to({0.75f, 0.25f, 3}, {0, 0, -2});
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  const Hit right{1.5f, 0.5f, 0.25f, 0};
+  EXPECT_EQ(judge(referee, ray, right), Verdict::right);
+  for (const Hit& wrong : {Hit{1.5f, nan, 0.25f, 0}, Hit{1.5f, 0.5f, nan, 0}, Hit{1.5f, -infinity, 0.25f, 0}}) {
+    EXPECT_EQ(judge(referee, ray, wrong), Verdict::false_hit);
+    EXPECT_FALSE(referee.agree(ray, wrong, wrong));
+  }
 }
 
 // The watertight test keeps its promise on closed meshes and on soups, at any offset and scale; the judge must find nothing.
