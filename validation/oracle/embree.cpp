@@ -11,20 +11,61 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <type_traits>
 
+#include "libaccel/core/affine.h"
 #include "libaccel/core/buffer.h"
 #include "libaccel/exec/cpu.h"
 #include "libaccel/trace/multi_hit.h"
 
 namespace accel::validation {
 
+namespace {
+
+// The rays that Embree takes, which aborts where one leaves its range in the space of an instance.
+class Takes {
+ public:
+  // Of an instance more.
+  void add(const AffineInverse& map) {
+    maps_.push_back(map);
+    double scale = 0, reach = 0;
+    for (int i = 0; i < 3; ++i) {
+      double row = 0;
+      for (int j = 0; j < 3; ++j) row += std::fabs(map.linear[i][j]);
+      scale = std::max(scale, row), reach = std::max(reach, std::fabs(double{map.origin[i]}));
+    }
+    // Half, for Embree inverts and rounds by itself.
+    const double most = 0.5 * kMaxCoordinate / std::max(scale, 0.5);
+    most_dir_ = std::min(most_dir_, static_cast<float>(most));
+    most_org_ = std::min(most_org_, static_cast<float>(std::max(most - reach, 0.0)));
+  }
+
+  bool operator()(const Ray& ray) const {
+    if (!is_traceable(ray)) return false;
+    if (maps_.empty() || (largest(ray.dir) <= most_dir_ && largest(ray.org) <= most_org_)) return true;
+    return std::all_of(maps_.begin(), maps_.end(), [&](const AffineInverse& map) {
+      const Ray inside = map.ray(ray);
+      return largest(inside.dir) <= 0.5f * kMaxCoordinate && largest(inside.org) <= 0.5f * kMaxCoordinate;
+    });
+  }
+
+ private:
+  static float largest(Vec3 v) { return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z))); }
+
+  std::vector<AffineInverse> maps_;
+  float most_dir_ = kMaxCoordinate, most_org_ = kMaxCoordinate;
+};
+
+}  // namespace
+
 struct EmbreeWitness::Scene {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<RTCScene> meshes;            // of instances
   std::vector<std::uint32_t> first_prims;  // likewise: by instance
+  Takes takes;
   EmbreeOptions options;
   std::string isa;
   double build_seconds = 0;
@@ -133,8 +174,8 @@ void attach_instance(RTCDevice device, RTCScene scene, RTCScene mesh, const Affi
   rtcReleaseGeometry(geometry);
 }
 
-Hit intersect(RTCScene scene, std::span<const std::uint32_t> first_prims, const Ray& ray) {
-  if (!is_traceable(ray)) return {};
+Hit intersect(RTCScene scene, const Takes& takes, std::span<const std::uint32_t> first_prims, const Ray& ray) {
+  if (!takes(ray)) return {};
   RTCRayHit query{};
   query.ray = to_embree(ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -150,8 +191,8 @@ Hit intersect(RTCScene scene, std::span<const std::uint32_t> first_prims, const 
   return {query.ray.tfar, query.hit.u, query.hit.v, first_prim + query.hit.primID};
 }
 
-bool is_occluded(RTCScene scene, const Ray& ray) {
-  if (!is_traceable(ray)) return false;
+bool is_occluded(RTCScene scene, const Takes& takes, const Ray& ray) {
+  if (!takes(ray)) return false;
   RTCRay query = to_embree(ray);
 #if RTC_VERSION_MAJOR >= 4
   rtcOccluded1(scene, &query);
@@ -201,9 +242,9 @@ void offer_all(RTCScene scene, KeepAll& keep, RTCRayHit& query) {
 #endif
 }
 
-std::vector<Hit> all_hits_of(RTCScene scene, std::span<const std::uint32_t> first_prims, const Ray& ray) {
+std::vector<Hit> all_hits_of(RTCScene scene, const Takes& takes, std::span<const std::uint32_t> first_prims, const Ray& ray) {
   std::vector<Hit> hits;
-  if (!is_traceable(ray)) return hits;
+  if (!takes(ray)) return hits;
   KeepAll keep{{}, first_prims, &hits};
   RTCRayHit query{};
   query.ray = to_embree(ray);
@@ -270,9 +311,9 @@ class Packets {
   float* packet(std::size_t p) { return memory_.data() + p * floats_; }
   const int* valid(std::size_t p) const { return valid_.data() + p * width_; }
 
-  void fill(std::span<const Ray> rays) {
+  void fill(const Takes& takes, std::span<const Ray> rays) {
     for (std::size_t i = 0; i < packets_of(rays.size()) * width_; ++i) {
-      const bool traced = i < rays.size() && is_traceable(rays[i]);
+      const bool traced = i < rays.size() && takes(rays[i]);
       valid_[i] = traced ? -1 : 0;
       put(i, traced ? to_embree(rays[i]) : nothing());
     }
@@ -380,8 +421,9 @@ double seconds_of(const Work& work) {
 
 // In rounds that fit a cache, as an application's rays do when it traces tile after tile: for each thread, some streams.
 template <class Answer>
-double time_packets(RTCScene scene, EmbreeCalls calls, unsigned width, std::span<const std::uint32_t> first_prims,
-                    std::span<const Ray> rays, std::span<Answer> answers, int threads) {
+double time_packets(RTCScene scene, const Takes& takes, EmbreeCalls calls, unsigned width,
+                    std::span<const std::uint32_t> first_prims, std::span<const Ray> rays, std::span<Answer> answers,
+                    int threads) {
   constexpr Query kQuery = std::is_same_v<Answer, Hit> ? Query::closest : Query::any;
   const int workers = threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
   const std::size_t round = std::min(rays.size(), 8 * kEmbreeStreamRays * static_cast<std::size_t>(workers));
@@ -389,7 +431,7 @@ double time_packets(RTCScene scene, EmbreeCalls calls, unsigned width, std::span
   double seconds = 0;
   for (std::size_t begin = 0; begin < rays.size(); begin += round) {
     const std::size_t count = std::min(round, rays.size() - begin);
-    packets.fill(rays.subspan(begin, count));
+    packets.fill(takes, rays.subspan(begin, count));
     const auto trace = [&](std::size_t from, std::size_t to) { trace_packets(scene, kQuery, calls, packets, from, to); };
     seconds += seconds_of([&] { for_each_block(packets.packets_of(count), threads, trace, kEmbreeStreamRays / width); });
     packets.read(first_prims, answers.subspan(begin, count));
@@ -458,19 +500,20 @@ Result<EmbreeWitness> EmbreeWitness::build(const InstancedMeshes& instanced, con
     const Instance& instance = instanced.instances()[i];
     attach_instance(scene.device, scene.scene, scene.meshes[instance.mesh], instance.transform);
     scene.first_prims.push_back(instanced.first_prim(i));
+    scene.takes.add(*inverse(instance.transform));
   }
   return finish(*std::move(owned));
 }
 
 void EmbreeWitness::closest(std::span<const Ray> rays, std::span<Hit> hits, int threads) const {
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) hits[i] = intersect(scene_->scene, scene_->first_prims, rays[i]);
+    for (std::size_t i = begin; i < end; ++i) hits[i] = intersect(scene_->scene, scene_->takes, scene_->first_prims, rays[i]);
   });
 }
 
 void EmbreeWitness::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads) const {
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) occluded[i] = is_occluded(scene_->scene, rays[i]) ? 1 : 0;
+    for (std::size_t i = begin; i < end; ++i) occluded[i] = is_occluded(scene_->scene, scene_->takes, rays[i]) ? 1 : 0;
   });
 }
 
@@ -486,20 +529,22 @@ Result<double> EmbreeWitness::time_closest(EmbreeCalls calls, std::span<const Ra
                                            int threads) const {
   if (const Status possible = can(calls); !possible) return possible.error();
   if (calls == EmbreeCalls::single) return seconds_of([&] { closest(rays, hits, threads); });
-  return time_packets(scene_->scene, calls, width_of(calls, scene_->device), scene_->first_prims, rays, hits, threads);
+  return time_packets(scene_->scene, scene_->takes, calls, width_of(calls, scene_->device), scene_->first_prims, rays, hits,
+                      threads);
 }
 
 Result<double> EmbreeWitness::time_occluded(EmbreeCalls calls, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
                                             int threads) const {
   if (const Status possible = can(calls); !possible) return possible.error();
   if (calls == EmbreeCalls::single) return seconds_of([&] { this->occluded(rays, occluded, threads); });
-  return time_packets(scene_->scene, calls, width_of(calls, scene_->device), scene_->first_prims, rays, occluded, threads);
+  return time_packets(scene_->scene, scene_->takes, calls, width_of(calls, scene_->device), scene_->first_prims, rays, occluded,
+                      threads);
 }
 
 void EmbreeWitness::all_hits(std::span<const Ray> rays, std::span<std::vector<Hit>> hits, int threads) const {
   ACCEL_ASSERT(scene_->options.all_hits);
   for_each_block(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) hits[i] = all_hits_of(scene_->scene, scene_->first_prims, rays[i]);
+    for (std::size_t i = begin; i < end; ++i) hits[i] = all_hits_of(scene_->scene, scene_->takes, scene_->first_prims, rays[i]);
   });
 }
 

@@ -1,7 +1,8 @@
 // Embree as the witness of hits and as the speed to beat. The one place that includes Embree; versions 3 and 4 both compile.
 //
 // A witness, not a judge: Embree's own answers are rounded (validation/oracle/exact.h decides). What it would choke on never
-// reaches it: rays that is_traceable() refuses are misses, negative t_min are raised to 0. Its intervals are half open (t >
+// reaches it: rays that is_traceable() refuses, in the world or in the space of an instance, are misses, negative t_min are
+// raised to 0. Its intervals are half open (t >
 // t_near), ours are closed. Its instruction set changes its results, so it is pinned, and isa() names it for reports.
 #pragma once
 

@@ -129,6 +129,25 @@ TEST_P(EmbreeCallsTest, NamesTrianglesOfInstances) {
   expect_as_single(*embree, random_batch(*mesh, 5000));
 }
 
+// Rays in range of the world that a small instance's map takes out of it: Embree's assertions again.
+TEST_P(EmbreeCallsTest, RaysThatLeaveTheRangeInAnInstanceMiss) {
+  const TriangleMesh mesh = scene_mesh();
+  Affine tiny;
+  for (int a = 0; a < 3; ++a) tiny.m[a][a] = 0x1p-30f;
+  const auto scene = InstancedMeshes::make({mesh}, {{0, {}}, {0, tiny}});
+  ASSERT_TRUE(scene) << scene.message();
+  const auto embree = EmbreeWitness::build(*scene, {std::get<1>(GetParam()), std::get<2>(GetParam()), 1});
+  ASSERT_TRUE(embree) << embree.message();
+  if (const Status possible = embree->can(calls()); !possible) GTEST_SKIP() << possible.message();
+  std::vector<Ray> rays = random_batch(mesh, 200);
+  for (std::size_t i = 0; i < rays.size(); i += 2) rays[i].dir = rays[i].dir * 0x1p50f;
+  for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].org = rays[i].org * 0x1p55f;
+  expect_as_single(*embree, rays);
+  const std::vector<Hit> hits = closest(*embree, rays);
+  EXPECT_TRUE(std::any_of(hits.begin(), hits.end(), [](const Hit& hit) { return hit.valid(); })) << "of those that stay";
+  EXPECT_FALSE(hits[0].valid());
+}
+
 std::string name_of(const testing::TestParamInfo<EmbreeCallsTest::ParamType>& info) {
   const auto [calls, mode, quality] = info.param;
   return std::string(kCallNames[static_cast<int>(calls)]) + (mode == EmbreeMode::robust ? "_robust" : "_fast") +
