@@ -1,14 +1,17 @@
 #include "apps/common/ambient.h"
 
+#include "libaccel/geometry/mesh_facts.h"
+
 namespace accel::apps {
 
 Outcome<std::vector<float>> openness(const AnyAccel& accel, const PrimaryHits& from, int directions, std::uint64_t seed,
                                      int threads, ProgressBar& bar) {
+  const float reach = default_ao_distance(mesh_facts(from.triangles).bounds);
   std::vector<float> open(from.hits.size(), 1.0f);
   std::vector<std::uint8_t> occluded;
   for (int d = 0; d < directions; ++d) {
     if (!bar.update("ambient light", static_cast<double>(d) / directions)) return Error{std::string(kInterrupted)};
-    const auto set = secondary_rays(RayKind::ao, from, {}, seed + static_cast<std::uint64_t>(d));
+    const auto set = ao_rays(from, reach, seed + static_cast<std::uint64_t>(d));
     if (!set) return set.error();
     occluded.resize(set->size());
     if (const Status traced = accel.occluded(set->rays.span(), occluded, {threads, {}}); !traced) return traced.error();

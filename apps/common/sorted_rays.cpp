@@ -21,12 +21,14 @@ std::uint64_t differences(std::span<const T> a, std::span<const T> b) {
 
 }  // namespace
 
-SortedRays sorted_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options, int repeat) {
+Result<SortedRays> sorted_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options, int repeat) {
   SortedRays result;
   result.rays = Buffer<Ray>(rays.size());
   std::vector<double> hash, sort, copy;
   for (int r = 0; r < std::max(repeat, 1); ++r) {
-    result.order = order_rays(rays, bounds, options);
+    auto order = order_rays(rays, bounds, options);
+    if (!order) return order.error();
+    result.order = *std::move(order);
     hash.push_back(result.order.hash_seconds), sort.push_back(result.order.sort_seconds);
     copy.push_back(seconds_of([&] { gather_rays(rays, result.order.ids.span(), result.rays.span(), options.threads); }));
   }

@@ -22,7 +22,7 @@ struct SortedRays {
   SortCost cost;  // without the way back of the answers
 };
 
-SortedRays sorted_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options, int repeat);
+Result<SortedRays> sorted_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options, int repeat);
 
 // Answers to sorted rays in the order of the batch; adds what that took to the cost.
 Answers unsorted(const Answers& answers, const RayOrder& order, int threads, SortCost& cost);

@@ -4,10 +4,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <new>
 #include <utility>
 #include <vector>
 
 #include "libaccel/core/hit.h"
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/core/threads.h"
 #include "libaccel/packet/cpu_primitives.h"
@@ -69,7 +71,7 @@ Result<RaySort> parse_ray_sort(std::string_view name) {
   return unknown_name("sort", name, known);
 }
 
-RayOrder order_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options) {
+Result<RayOrder> order_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options) try {
   tbb::task_arena arena(arena_size(options.threads));
   return arena.execute([&] {
     if (options.sort == RaySort::morton)
@@ -77,6 +79,8 @@ RayOrder order_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrde
           rays, [&](const Ray& ray) { return origin_direction_code(ray, bounds); }, false);
     return order_by(rays, RayHash<std::uint64_t>::make(bounds, options.cell_fraction), true);
   });
+} catch (const std::bad_alloc&) {
+  return out_of_memory("sorting rays");
 }
 
 void gather_rays(std::span<const Ray> from, std::span<const std::uint32_t> ids, std::span<Ray> to, int threads) {

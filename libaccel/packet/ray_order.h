@@ -38,8 +38,8 @@ struct RayOrder {
 };
 
 // Of fewer than 2^32 rays. `bounds` are the scene's. Rays that nothing can trace have their place, too. The same for any number
-// of threads; 64-bit values. Throws std::bad_alloc.
-RayOrder order_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options = {});
+// of threads; 64-bit values. Fails where memory does not suffice.
+Result<RayOrder> order_rays(std::span<const Ray> rays, const Aabb& bounds, const RayOrderOptions& options = {});
 
 // to[i] = from[ids[i]], and to[ids[i]] = from[i]; both ends have the order's size.
 void gather_rays(std::span<const Ray> from, std::span<const std::uint32_t> ids, std::span<Ray> to, int threads = 0);

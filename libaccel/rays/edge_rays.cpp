@@ -1,7 +1,9 @@
 #include <array>
+#include <new>
 #include <string>
 
 #include "libaccel/core/counter_rng.h"
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/rays/aim.h"
 #include "libaccel/rays/fill.h"
@@ -35,7 +37,7 @@ Vec3 draw_target(const Triangle& triangle, bool vertex, CounterRng& rng) {
 
 }  // namespace
 
-Result<RaySet> edge_rays(const TriangleSource& triangles, std::uint64_t count, std::uint64_t seed) {
+Result<RaySet> edge_rays(const TriangleSource& triangles, std::uint64_t count, std::uint64_t seed) try {
   if (count > kMaxRays) return Error{"edge rays: " + std::to_string(count) + " are more than 2^32; ask for fewer"};
   if (triangles.size() == 0) return RaySet{};
   const Aabb inner = mesh_facts(triangles).bounds, outer = enlarged(inner, 0.5f);
@@ -47,6 +49,8 @@ Result<RaySet> edge_rays(const TriangleSource& triangles, std::uint64_t count, s
     return aim(point_in_box(from_inside ? inner : outer, rng), target);
   });
   return set;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("making edge rays; ask for fewer");
 }
 
 }  // namespace accel

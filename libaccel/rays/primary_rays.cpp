@@ -1,6 +1,8 @@
+#include <new>
 #include <string>
 
 #include "libaccel/core/counter_rng.h"
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/rays/fill.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/rays/sampling.h"
@@ -8,7 +10,7 @@
 
 namespace accel {
 
-Result<RaySet> primary_rays(const Camera& camera, std::uint32_t spp, std::uint64_t seed, PixelOrder order) {
+Result<RaySet> primary_rays(const Camera& camera, std::uint32_t spp, std::uint64_t seed, PixelOrder order) try {
   const std::uint64_t width = camera.width(), pixels = width * camera.height();
   if (spp == 0) return Error{"primary rays: 0 samples per pixel; ask for at least 1"};
   if (pixels > kMaxRays / spp)
@@ -31,6 +33,8 @@ Result<RaySet> primary_rays(const Camera& camera, std::uint32_t spp, std::uint64
     return camera.ray(static_cast<double>(pixel % width) + point.x, static_cast<double>(pixel / width) + point.y);
   });
   return set;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("making primary rays; make the picture smaller");
 }
 
 }  // namespace accel

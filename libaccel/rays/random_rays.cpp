@@ -1,6 +1,8 @@
+#include <new>
 #include <string>
 
 #include "libaccel/core/counter_rng.h"
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/rays/fill.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/rays/sampling.h"
@@ -8,7 +10,7 @@
 
 namespace accel {
 
-Result<RaySet> random_rays(const Aabb& bounds, std::uint64_t count, std::uint64_t seed) {
+Result<RaySet> random_rays(const Aabb& bounds, std::uint64_t count, std::uint64_t seed) try {
   if (count > kMaxRays) return Error{"random rays: " + std::to_string(count) + " are more than 2^32; ask for fewer"};
   const Aabb box = enlarged(bounds, 0.1f);
   RaySet set{Buffer<Ray>(count), {}};
@@ -18,6 +20,8 @@ Result<RaySet> random_rays(const Aabb& bounds, std::uint64_t count, std::uint64_
     return Ray{.org = org, .dir = sphere_direction(rng).to_float()};
   });
   return set;
+} catch (const std::bad_alloc&) {
+  return out_of_memory("making random rays; ask for fewer");
 }
 
 }  // namespace accel

@@ -11,8 +11,8 @@
 //
 // How secondary rays leave a surface without an epsilon: see offset_origin.h.
 //
-// Errors: empty pictures, sets of more than kMaxRays rays, hits that do not match the primary rays or name no triangle of the
-// scene.
+// Errors: empty pictures, sets of more than kMaxRays rays or than memory holds, no rays from a hit, hits that do not match the
+// primary rays or name no triangle of the scene.
 #pragma once
 
 #include <cstdint>

@@ -18,6 +18,8 @@
 #include "libaccel/io/load_mesh.h"
 #include "libaccel/io/npy.h"
 #include "libaccel/io/structure_sections.h"
+#include "libaccel/packet/ray_order.h"
+#include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/any_accel.h"
 #include "libaccel/registry/structures.h"
 #include "validation/stress/stress_rays.h"
@@ -236,6 +238,23 @@ TEST_F(AllocationFailure, WritingArraysAndText) {
   fail_writing("hits", [&](const fs::path& path) { return write_hits_npy(path, hits); });
   fail_writing("hits of several", [&](const fs::path& path) { return write_hits_npy(path, hits, 2); });
   fail_writing("text", [&](const fs::path& path) { return write_file(path, "a text"); });
+}
+
+TEST_F(AllocationFailure, MakingRays) {
+  const TriangleMesh mesh = small_mesh();
+  const Aabb box = mesh_facts(mesh).bounds;
+  const Camera camera = *Camera::make(default_camera(box), 8, 6);
+  const RaySet primary = *primary_rays(camera, 2);
+  const std::vector<Hit> hits(primary.size(), Hit{1, 0.25f, 0.25f, 3});
+  const PrimaryHits from{mesh, primary, hits};
+  for (const PixelOrder order : {PixelOrder::rows, PixelOrder::z_curve})
+    fail_each("primary", [&] { return primary_rays(camera, 2, 1, order).ok(); });
+  for (const RayKind kind : {RayKind::shadow, RayKind::soft_shadow, RayKind::diffuse, RayKind::ao})
+    fail_each("secondary", [&] { return secondary_rays(kind, from, {}).ok(); });
+  fail_each("random", [&] { return random_rays(box, 50).ok(); });
+  fail_each("edge", [&] { return edge_rays(mesh, 50).ok(); });
+  for (const RaySort sort : kRaySorts)
+    fail_each("sorting", [&] { return order_rays(primary.rays.span(), box, {.sort = sort, .threads = 1}).ok(); });
 }
 
 TEST_F(AllocationFailure, Building) {

@@ -30,7 +30,7 @@ TEST(RayOrder, IsAPermutationThatGatherAndScatterFollow) {
   rays[7] = {.org = {nan, nan, nan}, .dir = {nan, 0, nan}};
   rays[8] = {.org = {0, 0, 0}, .dir = {0, 0, 0}};
   for (const RaySort sort : kRaySorts) {
-    const RayOrder order = order_rays(rays, kBox, {.sort = sort});
+    const RayOrder order = order_rays(rays, kBox, {.sort = sort}).value();
     std::vector<std::uint32_t> sorted(order.ids.begin(), order.ids.end());
     std::sort(sorted.begin(), sorted.end());
     for (std::uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(sorted[i], i) << name_of(sort);
@@ -52,9 +52,9 @@ TEST(RayOrder, IsAPermutationThatGatherAndScatterFollow) {
 TEST(RayOrder, IsTheSameForAnyNumberOfThreads) {
   const std::vector<Ray> rays = random_rays(50000);
   for (const RaySort sort : kRaySorts) {
-    const RayOrder one = order_rays(rays, kBox, {.sort = sort, .threads = 1});
+    const RayOrder one = order_rays(rays, kBox, {.sort = sort, .threads = 1}).value();
     for (const int threads : {2, 3}) {
-      const RayOrder other = order_rays(rays, kBox, {.sort = sort, .threads = threads});
+      const RayOrder other = order_rays(rays, kBox, {.sort = sort, .threads = threads}).value();
       EXPECT_TRUE(std::ranges::equal(one.ids, other.ids)) << name_of(sort);
     }
   }

@@ -186,6 +186,10 @@ TEST(SecondaryRays, RefuseHitsThatDoNotMatch) {
   const std::span<const Hit> hits = picture.hits;
   EXPECT_FALSE(shadow_rays({picture.mesh, picture.primary, hits.first(5)}, light).ok());
   EXPECT_FALSE(secondary_rays(RayKind::primary, picture.from(), light).ok());
+  EXPECT_NE(soft_shadow_rays(picture.from(), light, 1, 0).message().find("at least 1"), std::string::npos);
+  RaySet few{picture.primary.rays, Buffer<std::uint32_t>(1)};
+  few.pixel[0] = 0;
+  EXPECT_NE(diffuse_rays({picture.mesh, few, picture.hits}).message().find("pixels of 1"), std::string::npos);
   picture.hits[100].prim_id = 512;
   EXPECT_NE(diffuse_rays(picture.from()).message().find("hit 100 names triangle 512"), std::string::npos);
 }
@@ -276,6 +280,20 @@ TEST(SecondaryRays, EachDrawsItsOwnSample) {
     for (const Ray& ray : set->rays) directions.emplace(ray.dir.x, ray.dir.y);
     EXPECT_GT(directions.size(), set->size() * 99 / 100);
   }
+}
+
+// Programs without a picture may give all rays one pixel: each still draws its own sample, in time that grows with the rays.
+TEST(SecondaryRays, EachDrawsItsOwnSampleInOnePixel) {
+  const TriangleMesh mesh = convex_body();
+  constexpr std::uint32_t kRays = 200'000;
+  RaySet primary{Buffer<Ray>(kRays), Buffer<std::uint32_t>(kRays)};
+  std::ranges::fill(primary.rays, Ray{.org = {0, 0, 0}, .dir = {0, 0, 1}});
+  std::ranges::fill(primary.pixel, 0u);
+  const std::vector<Hit> hits(kRays, Hit{1, 0.25f, 0.25f, 7});
+  const RaySet set = diffuse_rays({mesh, primary, hits}, 9).value();
+  std::set<std::pair<float, float>> directions;
+  for (const Ray& ray : set.rays) directions.emplace(ray.dir.x, ray.dir.y);
+  EXPECT_GT(directions.size(), kRays / 100u * 99);
 }
 
 TEST(EdgeRays, CopeWithMeshesOfNothing) {
