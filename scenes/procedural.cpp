@@ -50,15 +50,12 @@ Result<std::uint64_t> parse_size(std::string_view text) {
   return static_cast<std::uint64_t>(std::llround(size));
 }
 
-}  // namespace
+struct Wanted {
+  const Generator* generator;
+  std::uint64_t size;
+};
 
-std::uint32_t steps_for(double budget, double per_square) {
-  return static_cast<std::uint32_t>(std::max(1.0, std::round(std::sqrt(budget / per_square))));
-}
-
-std::span<const BuiltinScene> builtin_scenes() { return kScenes; }
-
-Result<SceneData> make_builtin(std::string_view spec, std::uint64_t seed) {
+Result<Wanted> parse_spec(std::string_view spec) {
   constexpr std::string_view kPrefix = "builtin:";
   if (spec.starts_with(kPrefix)) spec.remove_prefix(kPrefix.size());
   const std::size_t colon = spec.find(':');
@@ -70,10 +67,29 @@ Result<SceneData> make_builtin(std::string_view spec, std::uint64_t seed) {
     std::ranges::transform(kScenes, names.begin(), &BuiltinScene::name);
     return unknown_name("builtin scene", name, names);
   }
-  if (colon == std::string_view::npos) return generator->make(generator->scene.default_size, seed);
+  if (colon == std::string_view::npos) return Wanted{&*generator, generator->scene.default_size};
   const auto size = parse_size(spec.substr(colon + 1));
   if (!size.ok()) return size.error();
-  return generator->make(*size, seed);
+  return Wanted{&*generator, *size};
+}
+
+}  // namespace
+
+std::uint32_t steps_for(double budget, double per_square) {
+  return static_cast<std::uint32_t>(std::max(1.0, std::round(std::sqrt(budget / per_square))));
+}
+
+std::span<const BuiltinScene> builtin_scenes() { return kScenes; }
+
+Status check_builtin(std::string_view spec) {
+  const auto wanted = parse_spec(spec);
+  return wanted ? Status(Done{}) : Status(wanted.error());
+}
+
+Result<SceneData> make_builtin(std::string_view spec, std::uint64_t seed) {
+  const auto wanted = parse_spec(spec);
+  if (!wanted) return wanted.error();
+  return wanted->generator->make(wanted->size, seed);
 }
 
 }  // namespace accel

@@ -31,5 +31,7 @@ inline constexpr std::uint64_t kMaxBuiltinSize = 200'000'000;
 // granularity of their parts. Errors: an unknown name (with a suggestion), a size that is no positive number or above
 // kMaxBuiltinSize.
 Result<SceneData> make_builtin(std::string_view spec, std::uint64_t seed = 1);
+// Whether there is such a scene, without making it; the errors are the same.
+Status check_builtin(std::string_view spec);
 
 }  // namespace accel

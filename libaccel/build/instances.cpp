@@ -1,6 +1,7 @@
 #include "libaccel/build/instances.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -148,6 +149,7 @@ class Builder {
   Builder(const InstancedMeshes& scene, const BuildOptions& options) : scene_(scene), options_(options) {}
 
   Result<Built<TwoLevelBvh>> run() {
+    for (const TriangleMesh& mesh : scene_.meshes()) all_ += mesh.size();
     trees_.emplace_back();  // the one over instances comes first, and is built last
     triangles_.push_back(scene_.instances().size());
     for (const TriangleMesh& mesh : scene_.meshes())
@@ -166,8 +168,25 @@ class Builder {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kTellingInterval{100};
+
+  // Tells the caller how much of all meshes is done, not each of the phases of each of them.
+  Progress progress_of(const TriangleMesh& mesh) {
+    return [this, &mesh](std::string_view, double fraction) {
+      const auto now = Clock::now();
+      if (now - last_told_ < kTellingInterval) return true;
+      last_told_ = now;
+      return options_.progress(
+          "meshes", (static_cast<double>(done_) + fraction * static_cast<double>(mesh.size())) / static_cast<double>(all_));
+    };
+  }
+
   Status build_mesh(const TriangleMesh& mesh) {
-    Result<Built<Bvh2>> built = Sbvh::build(mesh, options_);
+    BuildOptions options = options_;
+    if (options.progress) options.progress = progress_of(mesh);
+    Result<Built<Bvh2>> built = Sbvh::build(mesh, options);
+    done_ += mesh.size();
     if (!built) return built.error();
     report_.triangles += built->report.triangles, report_.references += built->report.references;
     report_.skipped.zero_area += built->report.skipped.zero_area;
@@ -216,8 +235,10 @@ class Builder {
   std::vector<Bvh2> trees_;
   std::vector<std::uint64_t> triangles_;
   Buffer<TwoLevelInstance> instances_;
-  std::vector<WideBox> boxes_;  // of the instances
-  std::uint64_t held_ = 0;      // bytes of the trees so far
+  std::vector<WideBox> boxes_;        // of the instances
+  std::uint64_t held_ = 0;            // bytes of the trees so far
+  std::uint64_t done_ = 0, all_ = 0;  // triangles of meshes
+  Clock::time_point last_told_{};
   BuildReport report_;
 };
 

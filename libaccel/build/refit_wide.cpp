@@ -87,10 +87,12 @@ class Refit {
     std::vector<bool> has(mesh_.size());
     for (const TriangleBlock& block : old_.blocks)
       for (std::uint32_t lane = 0; lane < kBlockLanes && block.has(lane); ++lane) has[block.prim_id[lane]] = true;
-    for (std::size_t i = 0; i < mesh_.size(); ++i)
-      if (const Triangle triangle = mesh_.triangle(i); !has[i] && is_in_range(triangle) && !is_zero_area(triangle))
+    for (std::size_t i = 0; i < mesh_.size(); ++i) {
+      if (has[i]) continue;
+      if (const Triangle triangle = mesh_.triangle(i); is_in_range(triangle) && !is_zero_area(triangle))
         return Error{"refitting: triangle " + std::to_string(i) +
                      " can be hit now, but the tree was built without it; rebuild"};
+    }
     return Done{};
   }
 

@@ -9,7 +9,8 @@
 // Hits are right however the vertices move; how fast they are found is told by the cost, which only grows as triangles leave
 // their neighbours: rebuild where it has grown by what a build is worth.
 //
-// O(n), in parallel; the same for any number of threads. The refitted structure beside the old one, and 24 bytes a block.
+// O(n); boxes and triangles in parallel; the same for any number of threads. The refitted structure beside the old one, and 24
+// bytes a block.
 #pragma once
 
 #include "libaccel/build/builder.h"

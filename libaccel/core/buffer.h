@@ -1,14 +1,17 @@
 // A fixed-size array of plain values, aligned for SIMD loads and cache lines, that it owns or that it borrows from a mapped
 // file.
 //
-// Copies share the storage (as std::shared_ptr does); the storage lives as long as the last copy. Elements of an owning buffer
-// are not initialised: builders fill them.
+// Copies share the storage (as std::shared_ptr does): what is written to one is read from all. The storage lives as long as the
+// last copy. Elements of an owning buffer are not initialised: builders fill them. A buffer that has been moved from is empty.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <new>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "libaccel/core/hd.h"
 
@@ -33,16 +36,27 @@ class Buffer {
 
  public:
   Buffer() = default;
+  Buffer(const Buffer&) = default;
+  Buffer& operator=(const Buffer&) = default;
+  Buffer(Buffer&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)), storage_(std::move(other.storage_)) {}
+  Buffer& operator=(Buffer&& other) noexcept {
+    Buffer taken(std::move(other));
+    std::swap(data_, taken.data_), std::swap(size_, taken.size_), std::swap(storage_, taken.storage_);
+    return *this;
+  }
 
-  // `size` uninitialised elements.
+  // `size` uninitialised elements. Throws std::bad_alloc: functions of the library that make buffers return an Error then.
   explicit Buffer(std::size_t size) : size_(size) {
     if (size == 0) return;
+    if (size > PTRDIFF_MAX / sizeof(T)) throw std::bad_array_new_length();
     const std::size_t bytes = size * sizeof(T);
     storage_ = std::shared_ptr<void>(detail::allocate_buffer(bytes), [bytes](void* p) { detail::free_buffer(p, bytes); });
     data_ = static_cast<T*>(storage_.get());
   }
 
-  // Borrows `size` elements at `data`, which `keep_alive` owns (a mapped file, or the caller's container).
+  // Borrows `size` elements at `data`, which `keep_alive` owns (a mapped file, or the caller's container); it is null where the
+  // memory outlives all copies.
   Buffer(T* data, std::size_t size, std::shared_ptr<void> keep_alive)
       : data_(data), size_(size), storage_(std::move(keep_alive)) {}
 

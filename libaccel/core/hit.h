@@ -15,8 +15,9 @@ inline constexpr std::uint32_t kNoHit = 0xffffffffu;
 //
 // The point is org + t * dir, and (1 - u - v) * v0 + u * v1 + v * v2. Where several triangles are met at the same t, the one
 // with the lowest prim_id is named, so that hits do not depend on the order of tests, nor ever on the number of threads. They
-// depend on the structure only where rounding moves a hit out of the box that holds its triangle: where the ray passes the
-// triangle by a hair, or sees it edge-on. A miss has t = +infinity and u = v = 0.
+// depend on the structure, and on the way that a traversal takes through it, only where rounding moves a hit out of the box
+// that holds its triangle: where the ray passes the triangle by a hair, or sees it edge-on. A miss has t = +infinity and u = v
+// = 0.
 struct alignas(16) Hit {
   float t = std::numeric_limits<float>::infinity();
   float u = 0.0f, v = 0.0f;

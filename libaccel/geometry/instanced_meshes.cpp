@@ -103,6 +103,12 @@ std::size_t InstancedMeshes::size_bytes() const {
   return bytes;
 }
 
+bool InstancedMeshes::is_better_apart() const {
+  std::uint64_t of_meshes = 0;
+  for (const TriangleMesh& mesh : meshes()) of_meshes += mesh.size();
+  return are_better_apart(size(), of_meshes);
+}
+
 InstancedMeshes::Place InstancedMeshes::place_of(std::uint32_t prim_id) const {
   ACCEL_ASSERT(prim_id < size());
   // The last instance that begins at or before it: those without triangles begin where the next one does.

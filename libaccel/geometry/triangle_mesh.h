@@ -1,7 +1,9 @@
 // A triangle mesh: shared vertex positions and three indices a triangle. The number of a triangle is its prim_id everywhere.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "libaccel/core/aabb.h"
 #include "libaccel/core/buffer.h"
@@ -26,6 +28,7 @@ struct Triangle {
   }
 };
 
+// Copies share their arrays: core/buffer.h.
 struct TriangleMesh {
   Buffer<Vec3> vertices;
   Buffer<IndexTriple> triangles;
@@ -38,6 +41,20 @@ struct TriangleMesh {
     return {vertices[t.v0], vertices[t.v1], vertices[t.v2]};
   }
 };
+
+// Vertices as an application has them: `count` points of three floats or doubles, which are rounded, each so many bytes behind
+// the one before.
+template <class T>
+Buffer<Vec3> vertices_of(const T* first, std::size_t count, std::size_t stride_bytes = 3 * sizeof(T)) {
+  Buffer<Vec3> result(count);
+  const auto* const bytes = reinterpret_cast<const std::byte*>(first);
+  for (std::size_t i = 0; i < count; ++i) {
+    T point[3];
+    std::memcpy(point, bytes + i * stride_bytes, sizeof point);
+    result[i] = {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])};
+  }
+  return result;
+}
 
 // The number of triangles a mesh may have: prim_id 0xffffffff means a miss, and leaf streams are indexed with 31 bits.
 inline constexpr std::uint64_t kMaxTriangles = 1ull << 29;

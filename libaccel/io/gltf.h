@@ -8,7 +8,7 @@
 // and rounded to floats, and so is each position that they place.
 //
 // Meshes that many nodes place (or EXT_mesh_gpu_instancing) are kept as instances where one mesh would be large and mostly
-// copies (geometry/scene_data.h). prim_ids are the same either way. Instances need transforms that have an inverse
+// copies (geometry/instanced_meshes.h). prim_ids are the same either way. Instances need transforms that have an inverse
 // (geometry/instanced_meshes.h).
 //
 // Of the extensions that a file requires, those of materials, textures and the like are passed over; known are

@@ -224,7 +224,9 @@ Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hi
 }
 
 Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits, std::size_t per_ray) try {
-  ACCEL_ASSERT(per_ray > 0 && hits.size() % per_ray == 0);
+  if (per_ray == 0 || hits.size() % per_ray != 0)
+    return Error{path.string() + ": " + std::to_string(hits.size()) + " hits are not rays with " + std::to_string(per_ray) +
+                 " each"};
   return write_npy(path, kHitFields, {hits.size() / per_ray, per_ray}, std::as_bytes(hits));
 } catch (const std::bad_alloc&) {
   return out_of_memory("writing a .npy file");

@@ -27,7 +27,8 @@ Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path);
 
 Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits);
 
-// Several hits a ray, as an array of shape (N, K): K is per_ray, at least 1, and N * K the number of hits. Misses fill up.
+// Several hits a ray, as an array of shape (N, K): K is per_ray, at least 1, and N * K the number of hits (else an
+// error). Misses fill up.
 Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits, std::size_t per_ray);
 
 Result<Buffer<Hit>> read_hits_npy(const std::filesystem::path& path);

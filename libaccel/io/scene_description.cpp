@@ -215,20 +215,19 @@ Result<std::array<std::size_t, 6>> find_columns(std::string_view header, const s
   return columns;
 }
 
-// The names that a description of a scene may have, in the order of the header of scene_description.h.
-std::vector<fs::path> json_names(const fs::path& scene) {
-  const fs::path inner = is_zstd_name(scene) ? fs::path(scene).replace_extension() : scene;
-  fs::path with_ending = scene;
-  with_ending += ".json";
-  return {with_ending, fs::path(inner).replace_extension(".json")};
-}
-
 bool is_file(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored) && !fs::is_directory(path, ignored);
 }
 
 }  // namespace
+
+std::vector<fs::path> scene_description_names(const fs::path& scene) {
+  const fs::path inner = is_zstd_name(scene) ? fs::path(scene).replace_extension() : scene;
+  fs::path with_ending = scene;
+  with_ending += ".json";
+  return {with_ending, fs::path(inner).replace_extension(".json")};
+}
 
 Status validate(const CameraDescription& camera) try {
   if (!is_finite(camera.eye) || !is_finite(camera.at) || !is_finite(camera.up)) return Error{"eye, at and up must be finite"};
@@ -293,7 +292,7 @@ Result<SceneDescription> find_scene_description(const fs::path& scene) try {
     if (description) description->source = path;
     return description;
   };
-  for (const fs::path& path : json_names(scene))
+  for (const fs::path& path : scene_description_names(scene))
     if (is_file(path)) return parsed(path, parse_scene_json);
 
   const fs::path table = scene.parent_path() / "scenes.tsv";

@@ -3,7 +3,8 @@
 // For a scene NAME.ply.zst, the first of these that exists is read:
 //
 //   1. NAME.ply.zst.json       the scene's name with .json behind it
-//   2. NAME.json               the scene's name with .json in place of its ending (.ply, .obj, .gltf, .glb, each with or without .zst)
+//   2. NAME.json               the scene's name with .json in place of its ending (.ply, .obj, .gltf, .glb, each with or
+//   without .zst)
 //   3. the rows of scenes.tsv in the same folder whose column `file` is the scene's name
 //
 // The JSON form, in which every key is optional and unknown keys are errors:
@@ -53,6 +54,9 @@ struct SceneDescription {
 
 // The description of a scene file, empty where there is none.
 Result<SceneDescription> find_scene_description(const std::filesystem::path& scene);
+
+// The names that a description in JSON may have, in this order.
+std::vector<std::filesystem::path> scene_description_names(const std::filesystem::path& scene);
 
 // The two forms, as text; `name` is the file's name for messages.
 Result<SceneDescription> parse_scene_json(std::string_view text, const std::string& name);

@@ -58,6 +58,12 @@ bool read_text(const Json& object, const char* key, std::string& out) {
 
 }  // namespace
 
+std::uint64_t counted(const AccelMetadata& metadata, const std::string& statistic) {
+  const auto found = metadata.statistics.find(statistic);
+  const bool is_count = found != metadata.statistics.end() && found->second >= 0 && found->second <= 0x1p53;
+  return is_count ? static_cast<std::uint64_t>(found->second) : 0;
+}
+
 void write_sections(AccelFileWriter& writer, const AccelMetadata& metadata) {
   Json root = {{"structure", metadata.structure}, {"builder", metadata.builder},       {"scene", metadata.scene},
                {"options", metadata.options},     {"statistics", metadata.statistics}, {"view", Json::object()}};
@@ -92,6 +98,7 @@ void write_sections(AccelFileWriter& writer, const TriangleMesh& mesh) {
 }
 
 Status read_sections(const AccelFile& file, TriangleMesh& mesh) {
+  if (has_instances(file)) return file.error({}, "holds a scene of instances, not one mesh: read<InstancedMeshes>() reads it");
   if (Status status = take_section(file, "mesh.vertices", mesh.vertices); !status) return status;
   if (Status status = take_section(file, "mesh.triangles", mesh.triangles); !status) return status;
   return in_file(file, validate(mesh));

@@ -41,6 +41,9 @@ struct AccelMetadata {
   std::optional<LightDescription> light;
 };
 
+// A statistic that counts something; 0 where there is none, or one that cannot be.
+std::uint64_t counted(const AccelMetadata& metadata, const std::string& statistic);
+
 // Moves an array out of the file into `out`.
 template <class T>
 Status take_section(const AccelFile& file, std::string_view name, Buffer<T>& out) {
@@ -105,15 +108,17 @@ Result<T> read(const AccelFile& file) try {
   return out_of_memory("reading a structure file");
 }
 
-// Writes a whole structure file. The scene is a mesh that validate() accepts (else an error) or InstancedMeshes, whichever the
-// structure was built over.
+// Writes a whole structure file; metadata.structure is the structure's kind, whatever was there. The scene is a mesh that
+// validate() accepts (else an error) or InstancedMeshes, whichever the structure was built over.
 template <class Scene, class Structure>
 Status save_accel(const std::filesystem::path& path, const AccelMetadata& metadata, const Scene& scene,
                   const Structure& structure) try {
   if constexpr (std::is_same_v<Scene, TriangleMesh>)
     if (const Status status = validate(scene); !status) return status;
   AccelFileWriter writer;
-  write_sections(writer, metadata);
+  AccelMetadata named = metadata;
+  named.structure = Structure::kName;
+  write_sections(writer, named);
   write_sections(writer, scene);
   write_sections(writer, structure);
   return writer.write(path);

@@ -19,7 +19,8 @@
 // is not asked: the part of a wall that a spatial split has left in that leaf names the whole wall.
 //
 // The box test of a ray is that of trace/bvh8_ray.h, so that a ray meets the triangles that it meets by itself, in another
-// order, and has the same hit bit for bit.
+// order, and has the same hit bit for bit. But for those that core/hit.h excepts: the remembered leaf, whose box is not asked,
+// may have one that no box lets pass, and another order one that would have been culled.
 //
 // Instances. Packets go through the tree over them in the same way. The rays that come to one make packets in its space, one
 // for each face that they have there, and what they hit is brought back; few rays go by turns.

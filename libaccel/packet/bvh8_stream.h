@@ -8,9 +8,9 @@
 // all ways, and the clock says which the others go in, and the next blocks. For any-hit queries these are three, since packets
 // may begin at either end.
 //
-// Hits are those of single rays, bit for bit, whatever the options. In the registry the methods are traversers
-// that are bvh8/ordered and bvh8-instances/ordered in all that concerns single rays: what counts their steps or models warps or
-// streams sees these.
+// Hits are those of single rays, bit for bit, whatever the options and the clock, but for those that core/hit.h excepts. In the
+// registry the methods are traversers that are bvh8/ordered and bvh8-instances/ordered in all that concerns single rays: what
+// counts their steps or models warps or streams sees these.
 #pragma once
 
 #include <atomic>

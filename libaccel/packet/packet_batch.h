@@ -112,7 +112,7 @@ class PacketBatch {
 template <class Primitives>
 PacketBatch<Primitives>::PacketBatch(const Bvh2View& view, const PacketOptions& options)
     : view_(view), options_(options), key_{PacketKey::Hash::make(view.bounds, options.cell_fraction)} {
-  options_.max_size = std::max(options.max_size, 1u);
+  options_.max_size = std::clamp(options.max_size, 1u, kMaxPacketSize);
   const Vec3 e = view.bounds.extent();
   widest_ = options.max_width * max_of(max_of(e.x, e.y), e.z);
 }

@@ -20,10 +20,11 @@ struct PacketOptions {
   float budget = 0.5f;               // pairs in the queue per ray of a frustum
 };
 
-// What the frustum of so many rays may have in the queue.
+// What the frustum of so many rays may have in the queue; nothing for budgets that are negative or no number.
 ACCEL_HD std::uint32_t budget_for(float budget, std::uint32_t rays) {
   constexpr float kMost = 4294967040.0f;  // the largest float below 2^32
-  return static_cast<std::uint32_t>(min_of(budget * static_cast<float>(rays), kMost));
+  const float pairs = budget * static_cast<float>(rays);
+  return pairs > 0 ? static_cast<std::uint32_t>(min_of(pairs, kMost)) : 0;
 }
 
 }  // namespace accel

@@ -14,7 +14,8 @@
 // use, the blocks up to the next trial go in groups at once, and where the rays of a group were seldom in the same node,
 // singly.
 //
-// Hits are those of single rays, bit for bit for the watertight test, whatever the options. With other tests there are no groups.
+// Hits are those of single rays, bit for bit for the watertight test, whatever the options, but for those that core/hit.h
+// excepts. With other tests there are no groups.
 #pragma once
 
 #include <algorithm>

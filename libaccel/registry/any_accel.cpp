@@ -95,14 +95,27 @@ const std::vector<std::string>& modelled_tests() {
   return list;
 }
 
+namespace {
+
+constexpr std::string_view kBest = "bvh8/stream", kBestOfInstances = "bvh8-instances/stream";
+
+// The best of the methods that a condition lets pass: one of those two, or else the first; empty if there is none.
+template <class Condition>
+std::string best_of(const Condition& condition) {
+  std::string first;
+  for (const MethodInfo& m : methods()) {
+    if (!condition(m)) continue;
+    if (m.name == kBest || m.name == kBestOfInstances) return m.name;
+    if (first.empty()) first = m.name;
+  }
+  return first;
+}
+
+}  // namespace
+
 std::string best_method(const Purpose& purpose) {
-  const std::string_view kBest = purpose.instances ? "bvh8-instances/stream" : "bvh8/stream";
-  const std::vector<MethodInfo>& all = methods();
-  const auto serves = [&](const MethodInfo& m) { return m.builder == purpose.builder; };
-  const auto first = std::find_if(all.begin(), all.end(), serves);
-  if (first == all.end()) return std::string(kBest);
-  const bool best_serves = std::any_of(first, all.end(), [&](const MethodInfo& m) { return serves(m) && m.name == kBest; });
-  return best_serves ? std::string(kBest) : first->name;
+  const std::string best = best_of([&](const MethodInfo& m) { return m.builder == purpose.builder; });
+  return !best.empty() ? best : std::string(purpose.instances ? kBestOfInstances : kBest);
 }
 
 Result<std::string> find_method(std::string_view name) try {
@@ -193,7 +206,7 @@ Result<AnyAccel> AnyAccel::build(const TriangleMesh& mesh, std::string_view meth
 }
 
 Result<AnyAccel> AnyAccel::build(const InstancedMeshes& scene, std::string_view method, const BuildOptions& options) try {
-  const auto entry = find_entry(method);
+  const auto entry = find_entry(method == "best" ? best_method({.instances = scene.is_better_apart()}) : std::string(method));
   if (!entry) return entry.error();
   return (*entry)->build_instances(scene, (*entry)->info, options);
 } catch (const std::bad_alloc&) {
@@ -201,7 +214,9 @@ Result<AnyAccel> AnyAccel::build(const InstancedMeshes& scene, std::string_view 
 }
 
 Result<AnyAccel> AnyAccel::bind(AnyStructure structure, std::string_view method, BuildReport report) try {
-  const auto entry = find_entry(method);
+  const std::string name =
+      method == "best" ? best_of([&](const MethodInfo& m) { return m.structure == structure.kind(); }) : std::string(method);
+  const auto entry = find_entry(name);
   if (!entry) return entry.error();
   const Status fits = (*entry)->check(structure, (*entry)->info);
   if (!fits) return fits.error();

@@ -1,7 +1,14 @@
 // AnyAccel: a structure and the method that traces it, with their types erased. What programs use.
 //
-// Batches cost one indirect call; single rays cost one each. Handles share their structure: copying one is cheap. All const
-// functions may be called from several threads at once.
+// Batches cost one indirect call; single rays cost one each. Handles share their structure: copying one is cheap, and moving is
+// copying, so that none is ever empty. (Who needs an empty one has std::optional<AnyAccel>.) All const functions may be called
+// from several threads at once.
+//
+// Scenes are read while a structure is built, and never again: they may change or go. Hits name triangles; who wants a normal
+// keeps the mesh.
+//
+// Threads that flush denormals to zero, as Embree asks of its users, get the same hits where coordinates are above 1e-25 or so;
+// below, rays may be lost, and hits depend on which threads have that mode.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +47,7 @@ const std::vector<MethodInfo>& methods();
 const std::vector<std::string>& triangle_tests();
 const std::vector<std::string>& modelled_tests();
 
-// The name of a method, or an error that suggests one. "best" is resolved as best_method() says.
+// The name of a method, or an error that suggests one. "best" is best_method().
 Result<std::string> find_method(std::string_view name);
 
 // What a method is to serve.
@@ -61,15 +68,20 @@ struct TraceOptions {
 
 class AnyAccel {
  public:
-  // Builds what `method` needs from a mesh that validate() accepts.
+  AnyAccel(const AnyAccel&) = default;
+  AnyAccel& operator=(const AnyAccel&) = default;
+
+  // Builds what `method` needs from a mesh that validate() accepts. "best" is the method that the library recommends: for the
+  // scene here, for structures of the kind in bind() and with_method().
   static Result<AnyAccel> build(const TriangleMesh& mesh, std::string_view method, const BuildOptions& options = {});
 
-  // The same for a scene of instances. Methods that do not keep them apart trace their triangles as one mesh, which the scene
-  // makes once and keeps, and the report says so; the prim_ids are the same.
+  // The same for a scene of instances, whose meshes nobody has changed. Methods that do not keep them apart trace their
+  // triangles as one mesh, which the scene makes once and keeps, and the report says so; the prim_ids are the same.
   static Result<AnyAccel> build(const InstancedMeshes& scene, std::string_view method, const BuildOptions& options = {});
 
   // Binds a structure that exists, from a file say, to a method that traces structures of its kind. `report` tells how it was
-  // built. Optional arrays that the method reads and the structure lacks are made, on all threads, and reported.
+  // built. Optional arrays that the method reads and the structure lacks are made, on all threads, and reported. See
+  // registry/accel_files.h for files.
   static Result<AnyAccel> bind(AnyStructure structure, std::string_view method, BuildReport report = {});
 
   // Whether rays can be traced with a test of triangle_tests(): not with one that reads transforms where leaves have no room
@@ -82,7 +94,8 @@ class AnyAccel {
   // Fails if the traverser cannot trace this structure: wrong kind, or too deep for its stack.
   Result<AnyAccel> with_method(std::string_view method) const;
 
-  // hits[i] answers rays[i]; the spans have the same size. The test must exist, as find_test() says.
+  // hits[i] answers rays[i], and occluded[i] is 1 or 0; the spans have the same size. An error for a test that accepts()
+  // refuses.
   Status closest(std::span<const Ray> rays, std::span<Hit> hits, const TraceOptions& options = {}) const;
   Status occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const TraceOptions& options = {}) const;
 

@@ -1,7 +1,8 @@
 // A structure of any kind, with its type erased: what builders make, files hold and methods trace.
 //
-// Copies share the structure, and nothing changes it once it is in here. This header knows no kind and no traverser, so that
-// adding one recompiles nobody who passes structures on; code that must know all kinds includes registry/structures.h.
+// Copies share the structure, and nothing changes it once it is in here; moving is copying, so that no handle is ever empty.
+// This header knows no kind and no traverser, so that adding one recompiles nobody who passes structures on; code that must
+// know all kinds includes registry/structures.h.
 #pragma once
 
 #include <cstddef>
@@ -22,6 +23,8 @@ class AnyStructure {
         size_bytes_(structure.size_bytes()),
         depth_(depth_of(structure)),
         object_(std::make_shared<const Structure>(std::move(structure))) {}
+  AnyStructure(const AnyStructure&) = default;
+  AnyStructure& operator=(const AnyStructure&) = default;
 
   std::string_view kind() const { return kind_; }  // Structure::kName
   std::size_t size_bytes() const { return size_bytes_; }

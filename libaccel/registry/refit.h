@@ -6,7 +6,7 @@
 //     frame = moved->costs.after < 1.3 * first_cost ? moved->accel : AnyAccel::build(mesh_of_this_frame, "bvh8-fast/stream");
 //   }
 //
-// The kind that CPUs trace fastest can be refitted, the bvh8; others are rebuilt.
+// The kind that CPUs trace fastest can be refitted, the bvh8; others are rebuilt, and so are scenes whose instances move.
 #pragma once
 
 #include "libaccel/build/refit_wide.h"

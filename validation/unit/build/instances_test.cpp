@@ -8,6 +8,7 @@
 
 #include "libaccel/build/wide_sbvh.h"
 #include "validation/stress/stress_instances.h"
+#include "validation/stress/stress_scenes.h"
 #include "validation/unit/build/built_instances.h"
 
 namespace accel {
@@ -86,6 +87,25 @@ TYPED_TEST(InstanceBuilders, ReportWhatIsStored) {
   EXPECT_GE(result->report.peak_bytes, result->structure.size_bytes());
   ASSERT_EQ(result->report.notes.size(), 1u);
   EXPECT_EQ(result->report.notes[0].why, "50 of 2 meshes: 130 triangles are stored, for 3250 in the scene");
+}
+
+// A scene of many small meshes is one build, not as many.
+TYPED_TEST(InstanceBuilders, TellsItsProgressOfAllMeshes) {
+  const TriangleMesh mesh = validation::mesh_of(validation::random_triangles(20, 0.5f, 1));
+  std::vector<Instance> instances(300);
+  for (std::uint32_t i = 0; i < 300; ++i) instances[i].mesh = i;
+  const InstancedMeshes scene = *InstancedMeshes::make(std::vector<TriangleMesh>(300, mesh), instances);
+  std::vector<double> told;
+  BuildOptions options;
+  options.progress = [&](std::string_view phase, double fraction) {
+    if (phase == "meshes") told.push_back(fraction);
+    return true;
+  };
+  ASSERT_TRUE(TypeParam::build(scene, options));
+  ASSERT_FALSE(told.empty());
+  EXPECT_LT(told.size(), 150u) << "ten times a second";
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_LE(told.back(), 1);
 }
 
 TYPED_TEST(InstanceBuilders, BadOptionsAndInterruptionsAreErrors) {

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <new>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace accel {
@@ -43,6 +45,26 @@ TEST(Buffer, CopiesShareTheStorage) {
   first = Buffer<int>();
   EXPECT_EQ(second[3], 42);
   EXPECT_EQ(second[9], 9);
+}
+
+TEST(Buffer, MovedFromOnesAreEmpty) {
+  Buffer<int> first(10);
+  first[9] = 7;
+  Buffer<int> second = std::move(first);
+  EXPECT_TRUE(first.empty());
+  EXPECT_EQ(first.data(), nullptr);
+  EXPECT_EQ(second[9], 7);
+  first = std::move(second);
+  EXPECT_TRUE(second.empty());
+  EXPECT_EQ(first[9], 7);
+}
+
+// As many elements as would wrap around when they are counted in bytes, or in pages.
+TEST(Buffer, MoreThanMemoryIsBadAlloc) {
+  EXPECT_THROW(Buffer<std::uint64_t>(std::size_t{1} << 61), std::bad_alloc);
+  EXPECT_THROW(Buffer<std::uint64_t>((std::size_t{1} << 61) + 1), std::bad_alloc);
+  EXPECT_THROW(Buffer<char>(SIZE_MAX - 5), std::bad_alloc);
+  EXPECT_THROW(Buffer<char>(PTRDIFF_MAX), std::bad_alloc);
 }
 
 TEST(Buffer, CopyOfDoesNotShare) {

@@ -102,5 +102,13 @@ TEST(InstancedMeshes, FactsAreThoseOfAllTriangles) {
   }
 }
 
+TEST(InstancedMeshes, LargeScenesOfCopiesAreBetterApart) {
+  EXPECT_TRUE(are_better_apart(kLargeMesh, 1));
+  EXPECT_FALSE(are_better_apart(kLargeMesh - 1, 1)) << "one mesh is not large";
+  EXPECT_FALSE(are_better_apart(kLargeMesh, kLargeMesh)) << "no copies";
+  EXPECT_FALSE(are_better_apart(kMostlyCopies * kLargeMesh, kLargeMesh));
+  EXPECT_TRUE(are_better_apart(kMostlyCopies * kLargeMesh + 1, kLargeMesh));
+}
+
 }  // namespace
 }  // namespace accel

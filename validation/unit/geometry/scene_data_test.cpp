@@ -7,14 +7,6 @@
 namespace accel {
 namespace {
 
-TEST(SceneData, LargeScenesOfCopiesAreBetterApart) {
-  EXPECT_TRUE(are_better_apart(kLargeMesh, 1));
-  EXPECT_FALSE(are_better_apart(kLargeMesh - 1, 1)) << "one mesh is not large";
-  EXPECT_FALSE(are_better_apart(kLargeMesh, kLargeMesh)) << "no copies";
-  EXPECT_FALSE(are_better_apart(kMostlyCopies * kLargeMesh, kLargeMesh));
-  EXPECT_TRUE(are_better_apart(kMostlyCopies * kLargeMesh + 1, kLargeMesh));
-}
-
 // What counts is all that is placed, and what the meshes have.
 TEST(SceneData, CountsPlacedTrianglesAndThoseOfMeshes) {
   const TriangleMesh mesh = validation::mesh_of(validation::random_triangles(1000, 0.1f, 1));

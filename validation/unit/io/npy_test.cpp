@@ -78,6 +78,9 @@ TEST_F(NpyTest, SeveralHitsARayAreRows) {
   EXPECT_NE(bytes.find("'shape': (2, 3), }"), std::string::npos);
   EXPECT_EQ(bytes.compare(bytes.size() - 96, 96, reinterpret_cast<const char*>(hits.data()), 96), 0);
   EXPECT_FALSE(read_hits_npy(path)) << "one hit a ray is what is read";
+  EXPECT_FALSE(write_hits_npy(path, hits, 4)) << "no rows";
+  EXPECT_FALSE(write_hits_npy(path, hits, 0));
+  EXPECT_EQ(contents(path), bytes) << "what was there stays";
   ASSERT_TRUE(write_hits_npy(path, {}, 3));
   EXPECT_NE(contents(path).find("'shape': (0, 3), }"), std::string::npos);
 }

@@ -67,6 +67,10 @@ TEST_F(StructureSectionsTest, InstancesComeBack) {
     EXPECT_TRUE(same(back->meshes()[i].vertices, scene->meshes()[i].vertices));
     EXPECT_TRUE(same(back->meshes()[i].triangles, scene->meshes()[i].triangles));
   }
+  const auto mesh = read<TriangleMesh>(*file);
+  ASSERT_FALSE(mesh);
+  EXPECT_NE(mesh.message().find("holds a scene of instances"), std::string::npos);
+  EXPECT_EQ(read<AccelMetadata>(*file)->structure, TwoLevelBvh::kName) << "it is what it is, whatever the caller said";
   const auto structure = read<TwoLevelBvh>(*file);
   ASSERT_TRUE(structure) << structure.message();
   EXPECT_TRUE(same(structure->nodes, built->structure.nodes));

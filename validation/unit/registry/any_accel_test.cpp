@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <limits>
 #include <set>
+#include <utility>
 
 #include "libaccel/structure/bvh2.h"
 #include "libaccel/structure/triangle_list.h"
@@ -51,6 +53,30 @@ TEST(Registry, BestServesTheStructureThatThereIs) {
       EXPECT_TRUE(build(method.name.c_str()).with_method(best)) << best << " for a structure of " << method.builder;
     }
   EXPECT_EQ(best_method({.builder = "nobody's"}), best_method());
+  for (const bool instances : {false, true}) {
+    EXPECT_EQ(best_method({.builder = "bvh8-instances", .instances = instances}), "bvh8-instances/stream");
+    EXPECT_EQ(best_method({.builder = "bvh8", .instances = instances}), "bvh8/stream");
+  }
+}
+
+TEST(AnyAccel, BestIsOfTheKindThatThereIs) {
+  for (const MethodInfo& method : methods()) {
+    const Result<AnyAccel> best = build(method.name.c_str()).with_method("best");
+    ASSERT_TRUE(best) << method.name << ": " << best.message();
+    EXPECT_EQ(best->method().structure, method.structure);
+    EXPECT_EQ(best->closest(Ray{.org = {0.25f, 0.25f, 1}, .dir = {0, 0, -1}}).t, 1.0f) << method.name;
+  }
+  EXPECT_EQ(build("bvh8-fast/stream").with_method("best")->method().name, "bvh8/stream");
+}
+
+TEST(AnyAccel, BestKeepsManyCopiesApart) {
+  const TriangleMesh mesh = validation::mesh_of(validation::random_triangles(1000, 0.1f, 1));
+  for (const std::size_t copies : {2u, 1100u}) {
+    const auto scene = *InstancedMeshes::make({mesh}, std::vector<Instance>(copies));
+    const Result<AnyAccel> best = AnyAccel::build(scene, "best");
+    ASSERT_TRUE(best) << best.message();
+    EXPECT_EQ(best->method().name, copies == 2 ? "bvh8/stream" : "bvh8-instances/stream");
+  }
 }
 
 TEST(Registry, ExhaustiveMethodsAreThoseThatTestEveryTriangle) {
@@ -152,12 +178,28 @@ TEST(AnyAccel, MultipassAnswersAsClosestDoes) {
 
 TEST(AnyAccel, PacketsOfNothingAreNoOptions) {
   const std::vector<Ray> rays(600, Ray{.org = {0.25f, 0.25f, 1}, .dir = {0, 0, -1}});
-  const TraceOptions options{.threads = 2, .packets = {.max_size = 0, .min_size = 0, .block_size = 0}};
-  for (const char* method : {"bvh8/stream", "sbvh/breadth-first"}) {
-    std::vector<Hit> hits(rays.size());
-    ASSERT_TRUE(build(method).closest(rays, hits, options));
-    for (const Hit& hit : hits) EXPECT_EQ(hit.t, 1.0f) << method;
-  }
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const PacketOptions& packets :
+       {PacketOptions{.max_size = 0, .min_size = 0, .block_size = 0}, PacketOptions{.max_size = 0xffffffffu},
+        PacketOptions{.budget = -1}, PacketOptions{.budget = nan}, PacketOptions{.budget = 1e30f}})
+    for (const char* method : {"bvh8/stream", "sbvh/breadth-first"}) {
+      std::vector<Hit> hits(rays.size());
+      ASSERT_TRUE(build(method).closest(rays, hits, {.threads = 2, .packets = packets}));
+      for (const Hit& hit : hits) EXPECT_EQ(hit.t, 1.0f) << method;
+    }
+}
+
+TEST(AnyAccel, MovingLeavesAHandle) {
+  AnyAccel first = build("bvh/stack");
+  const AnyAccel second = std::move(first);
+  EXPECT_EQ(first.method().name, "bvh/stack");  // NOLINT: what is asked
+  EXPECT_EQ(&first.structure(), &second.structure());
+  AnyStructure structure = first.structure();
+  const AnyStructure other = std::move(structure);
+  EXPECT_NE(structure.get_if<Bvh2>(), nullptr);
+  InstancedMeshes scene = *InstancedMeshes::make({triangle()}, {Instance{}});
+  const InstancedMeshes moved = std::move(scene);
+  EXPECT_EQ(scene.size(), moved.size());
 }
 
 TEST(AnyAccel, CopiesShareTheirStructure) {
