@@ -109,7 +109,7 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   auto chosen = choose_method(structure, method);
   if (!chosen) return chosen.failure();
   settings.method = *std::move(chosen);
-  if (auto writable = check_outputs({{"--output", settings.output}, {"--json", settings.json}}); !writable)
+  if (auto writable = check_outputs({{"--output", settings.output}, {"--json", settings.json}}, {settings.scene}); !writable)
     return writable.failure();
   return settings;
 }

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 
-#include "libaccel/io/structure_sections.h"
-#include "libaccel/registry/any_accel.h"
-#include "libaccel/registry/structures.h"
+#include "libaccel/registry/accel_files.h"
 
 namespace accel::apps {
 
@@ -35,32 +33,15 @@ std::map<std::string, std::string> option_texts(const BuildOptions& options) {
 }
 
 // What was built, not how the build went: times and peaks of memory would make other bytes of the same structure each time.
-AccelMetadata metadata_of(const Scene& scene, const AnyAccel& accel, const StructureFacts& facts, const BuildOptions& options) {
+AccelMetadata metadata_of(const Scene& scene, const StructureFacts& facts, const BuildOptions& options) {
   AccelMetadata metadata;
-  metadata.structure = accel.method().structure;
-  metadata.builder = accel.method().builder;
   metadata.scene = scene.name;
   metadata.options = option_texts(options);
-  const BuildReport& report = accel.report();
-  metadata.statistics = {{"triangles", static_cast<double>(report.triangles)},
-                         {"references", static_cast<double>(report.references)},
-                         {"skipped_zero_area", static_cast<double>(report.skipped.zero_area)},
-                         {"skipped_out_of_range", static_cast<double>(report.skipped.out_of_range)}};
+  if (scene.skipped_faces > 0) metadata.statistics["skipped_faces"] = static_cast<double>(scene.skipped_faces);
   if (facts.sah_cost) metadata.statistics["sah_cost"] = *facts.sah_cost;
   metadata.cameras = scene.data.cameras;
   metadata.light = scene.data.light;
   return metadata;
-}
-
-// Writes the structure with what it was built over: instances, or their triangles where it does not keep them apart.
-Status save(const std::string& path, const AccelMetadata& metadata, const SceneData& data, const AnyAccel& accel) {
-  const auto save_with = [&](const auto& scene) {
-    // There is a status: the structure of a method is in the list.
-    return *visit_structure(accel.structure(), [&](const auto& s) { return save_accel(path, metadata, scene, s); });
-  };
-  if (data.instances && accel.method().instances) return save_with(*data.instances);
-  const auto mesh = data.one_mesh();
-  return mesh ? save_with(*mesh) : mesh.error();
 }
 
 }  // namespace
@@ -82,8 +63,9 @@ Outcome<BuildRunReport> run_build(const BuildSettings& settings, ProgressBar& ba
   const StructureFacts facts = facts_of(accel->structure(), options, settings.stats ? Detail::all : Detail::quick);
   if (!settings.output.empty()) {
     bar.begin("writing " + settings.output);
-    const AccelMetadata metadata = metadata_of(*scene, *accel, facts, options);
-    const Status saved = save(settings.output, metadata, scene->data, *accel);
+    const AccelMetadata metadata = metadata_of(*scene, facts, options);
+    const Status saved = scene->data.instances ? save_accel(settings.output, *accel, *scene->data.instances, metadata)
+                                               : save_accel(settings.output, *accel, scene->data.mesh, metadata);
     if (!saved) return saved.error();
   }
   const int threads = settings.common.threads > 0 ? settings.common.threads : tbb::info::default_concurrency();

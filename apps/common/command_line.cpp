@@ -200,13 +200,19 @@ Outcome<std::string> parse_arguments(CLI::App& app, int argc, char** argv, Commo
     app.parse(argc, argv);
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string text = error.what();
-    return Failure(ExitStatus::usage, text.substr(0, text.find(": ")) + ": its value is missing; --help says what it takes");
+    const bool is_repeated = text.find("At Most") != std::string::npos;
+    return Failure(ExitStatus::usage,
+                   text.substr(0, text.find(": ")) +
+                       (is_repeated ? ": is given twice; give it once" : ": its value is missing; --help says what it takes"));
   } catch (const CLI::ParseError& error) {
     return Failure(ExitStatus::usage, error.what());
   }
   std::vector<std::string> remaining = app.remaining();
   std::erase(remaining, "--");  // what follows is no option: CLI11 knows that, and keeps the mark
   if (!remaining.empty()) return unexpected(app, remaining.front());
+  for (const CLI::Option* option : app.get_options())
+    if (option->count() > 0 && option->get_items_expected_max() > 0 && option->results().front().empty())
+      return Failure(ExitStatus::usage, option->get_name() + ": its value is empty; leave it out, or say what it is");
   return std::string();
 }
 

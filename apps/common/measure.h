@@ -1,7 +1,7 @@
 // Timing: every engine traces the same rays, in turn, several times.
 //
 // Engines take turns within each repetition, and each repetition starts with another one, so that whatever slows the machine
-// down for a while slows all of them. An untimed pass comes first; its answers are kept for the check.
+// down for a while slows all of them. An untimed pass comes first; the answers of the last one are kept for the check.
 #pragma once
 
 #include <chrono>

@@ -26,7 +26,7 @@ std::string best_for(const Scene& scene) {
 std::string reason_to_skip(const MethodInfo& method, const Scene& scene, std::uint64_t rays, bool sweep) {
   if (!method.robust && !sweep) return "it is known to lose hits; name it, or compare it with --sweep";
   if (method.instances && !scene.stored && !scene.data.instances)
-    return "the scene has no instances; name the method to trace it as one";
+    return "the scene has no instances; if named, it takes all as one";
   if (scene.stored && method.builder != scene.stored->builder)
     return "the file holds a structure built by '" + scene.stored->builder + "'";
   const std::uint64_t triangles = std::max<std::uint64_t>(scene.facts.triangles, 1);
@@ -102,7 +102,7 @@ Outcome<MethodSet> prepare_methods(const Scene& scene, const TraceSettings& sett
     member_of_builder[method.builder] = set.members.size();
     const double build_seconds = scene.stored ? 0 : accel->report().seconds;  // files hold no times
     set.structures.push_back({method.builder, build_seconds, accel->size_bytes(), accel->report(),
-                              facts_of(accel->structure(), settings.build, Detail::quick)});
+                              facts_of(accel->structure(), scene.stored ? scene.stored_costs : settings.build, Detail::quick)});
     set.members.push_back({*std::move(accel), set.structures.size() - 1});
   }
   return set;

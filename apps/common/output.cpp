@@ -4,6 +4,7 @@
 #include <map>
 
 #include "libaccel/io/atomic_file.h"
+#include "libaccel/io/scene_description.h"
 
 namespace accel::apps {
 
@@ -23,10 +24,20 @@ std::filesystem::path identity(std::string_view path) {
 
 }  // namespace
 
-Finished check_outputs(std::initializer_list<OutputFile> files) {
+Finished check_outputs(std::initializer_list<OutputFile> files, const InputFiles& inputs) {
   std::map<std::filesystem::path, std::string_view> flag_of;
+  std::map<std::filesystem::path, std::string> role_of;
+  if (!inputs.scene.empty() && !inputs.scene.starts_with("builtin:")) {
+    role_of.emplace(identity(inputs.scene), "is the scene");
+    for (const std::filesystem::path& name : scene_description_names(inputs.scene))
+      role_of.emplace(identity(name.string()), "is where cameras and light of '" + inputs.scene + "' are looked for");
+  }
+  for (const std::string& path : inputs.others) role_of.emplace(identity(path), "is read");
   for (const auto& [flag, path] : files) {
     if (path.empty()) continue;
+    if (const auto role = role_of.find(identity(path)); path != "-" && role != role_of.end())
+      return Failure(ExitStatus::usage,
+                     std::string(flag) + ": '" + std::string(path) + "' " + role->second + "; give another name");
     const auto [same, is_new] = flag_of.emplace(identity(path), flag);
     if (!is_new)
       return Failure(ExitStatus::usage, std::string(same->second) + ", " + std::string(flag) + ": only one of them can be " +

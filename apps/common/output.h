@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "apps/common/failure.h"
 
@@ -15,8 +16,15 @@ struct OutputFile {
   std::string_view flag, path;  // the option that names it; empty: none, "-": standard output
 };
 
-// Whether files can be made where the paths say, and each is another one, found out before work is done that would be lost. Two
-// outputs to one file are a usage error.
-Finished check_outputs(std::initializer_list<OutputFile> files);
+// Files that a run reads: those of a scene, with what may stand beside it, and others.
+struct InputFiles {
+  std::string scene;
+  std::vector<std::string> others = {};
+};
+
+// Whether files can be made where the paths say, and each is another one and none that is read, found out before work is done
+// that would be lost. Two outputs to one file are a usage error, and so is one in place of an input, or where the scene's
+// description is looked for.
+Finished check_outputs(std::initializer_list<OutputFile> files, const InputFiles& inputs);
 
 }  // namespace accel::apps

@@ -1,5 +1,6 @@
 #include "apps/common/ray_batch.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "libaccel/io/npy.h"
@@ -9,10 +10,15 @@ namespace accel::apps {
 
 namespace {
 
-Outcome<RayBatch> read_batch(const std::string& path) {
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+// Named for the file; as the user wrote it where there is another of that name.
+Outcome<RayBatch> read_batch(const std::string& path, const std::vector<std::string>& kinds) {
   auto rays = read_rays_npy(path);
   if (!rays) return rays.error();
-  return RayBatch{std::filesystem::path(path).filename().string(), Query::closest, RaySet{*std::move(rays), {}}};
+  const auto is_namesake = [&](const std::string& other) { return file_name(other) == file_name(path); };
+  const bool is_alone = std::count_if(kinds.begin(), kinds.end(), is_namesake) <= 1;
+  return RayBatch{is_alone ? file_name(path) : path, Query::closest, RaySet{*std::move(rays), {}}};
 }
 
 }  // namespace
@@ -41,7 +47,7 @@ Outcome<RayMaker> RayMaker::create(const Scene& scene, const TraceSettings& sett
 }
 
 Outcome<RayBatch> RayMaker::make(const std::string& name) {
-  auto batch = name.ends_with(".npy") ? read_batch(name) : make_kind(name);
+  auto batch = name.ends_with(".npy") ? read_batch(name, settings_->ray_kinds) : make_kind(name);
   if (batch && settings_->query) batch->query = *settings_->query;
   return batch;
 }

@@ -183,7 +183,7 @@ std::string facts_html(const ReportData& data) {
                                number("spp"))) +
          fact("Camera", camera_text(data.context()["camera"])) + fact("Triangle test", data.have_tests() ? "" : test) +
          fact("Timed runs", count_text(number("repeat")) + " of each method, in turns") +
-         fact("Seed", count_text(number("seed"))) + fact("Machine", machine_text(data)) +
+         fact("Seed", with_commas(data.context().value("seed", std::uint64_t{0}))) + fact("Machine", machine_text(data)) +
          fact("Date", data.context_text("date")) +
          fact("libaccel",
               version(data, "libaccel") + ", " + data.context_text("library_build_type") + " by " + version(data, "compiler")) +

@@ -7,10 +7,13 @@
 
 namespace accel::apps {
 
+std::string scene_of_size(const std::string& scene, const std::string& size) {
+  return scene.substr(0, scene.find(':', std::string("builtin:").size())) + ":" + size;
+}
+
 TraceSettings settings_for_size(const TraceSettings& settings, const std::string& size) {
   TraceSettings other = settings;
-  const std::string& scene = settings.scene;
-  other.scene = scene.substr(0, scene.find(':', std::string("builtin:").size())) + ":" + size;
+  other.scene = scene_of_size(settings.scene, size);
   other.ray_kinds.resize(1);
   other.embree = {"fast"};
   other.check = Check::none;

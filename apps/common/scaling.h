@@ -11,6 +11,9 @@
 
 namespace accel::apps {
 
+// "builtin:soup:1k" for builtin:soup and 1k.
+std::string scene_of_size(const std::string& scene, const std::string& size);
+
 // The settings of a run in the scene of another size, whose rows are all that is of interest: nothing is checked or written.
 TraceSettings settings_for_size(const TraceSettings& settings, const std::string& size);
 

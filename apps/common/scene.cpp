@@ -1,5 +1,6 @@
 #include "apps/common/scene.h"
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -9,10 +10,9 @@
 #include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/io/load_scene.h"
 #include "libaccel/io/scene_description.h"
-#include "libaccel/io/structure_sections.h"
 #include "libaccel/rays/camera.h"
 #include "libaccel/rays/default_light.h"
-#include "libaccel/registry/structures.h"
+#include "libaccel/registry/accel_files.h"
 #include "scenes/procedural.h"
 
 namespace accel::apps {
@@ -22,19 +22,6 @@ namespace {
 constexpr std::string_view kBuiltin = "builtin:";
 
 Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
-
-// The file's structure as whichever of the registry's types it says it is.
-Result<AnyStructure> read_structure(const AccelFile& file, const std::string& kind) {
-  Result<AnyStructure> result =
-      file.error("metadata", "names a structure of unknown kind '" + kind + "'; it was written by another version");
-  Structures::for_each([&](auto tag) {
-    using Structure = typename decltype(tag)::type;
-    if (kind != Structure::kName) return;
-    Result<Structure> structure = read<Structure>(file);
-    result = structure ? Result<AnyStructure>(AnyStructure(*std::move(structure))) : Result<AnyStructure>(structure.error());
-  });
-  return result;
-}
 
 // The file's mesh or instances.
 Result<SceneData> read_scene(const AccelFile& file) {
@@ -51,9 +38,18 @@ Result<SceneData> read_scene(const AccelFile& file) {
   return data;
 }
 
-double statistic(const AccelMetadata& metadata, const std::string& name) {
-  const auto found = metadata.statistics.find(name);
-  return found == metadata.statistics.end() ? 0 : found->second;
+// The costs that the file's builder went by, without which no expected cost is comparable.
+BuildOptions costs_of(const AccelMetadata& metadata) {
+  BuildOptions options;
+  const auto read = [&](const char* name, float& cost) {
+    const auto found = metadata.options.find(name);
+    if (found == metadata.options.end()) return;
+    float value = 0;
+    const char* const end = found->second.data() + found->second.size();
+    if (std::from_chars(found->second.data(), end, value).ptr == end && value > 0) cost = value;
+  };
+  read("traversal_cost", options.traversal_cost), read("intersection_cost", options.intersection_cost);
+  return options;
 }
 
 Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
@@ -65,16 +61,15 @@ Outcome<Scene> open_accel_file(const std::string& path, MeshUse use) {
   if (!facts) return facts.error();
   auto data = use == MeshUse::reads ? read_scene(*file) : Result<SceneData>(SceneData{});
   if (!data) return data.error();
-  auto structure = read_structure(*file, metadata->structure);
-  if (!structure) return structure.error();
-  BuildReport report;
-  report.triangles = static_cast<std::uint64_t>(statistic(*metadata, "triangles"));
-  report.references = static_cast<std::uint64_t>(statistic(*metadata, "references"));
+  auto stored = read_structure(*file, *metadata);
+  if (!stored) return stored.error();
   Scene scene;
   scene.data = *std::move(data);
   scene.data.cameras = metadata->cameras, scene.data.light = metadata->light;
   scene.facts = *facts;
-  scene.stored = StoredStructure{*std::move(structure), std::move(report), metadata->builder};
+  scene.stored = *std::move(stored);
+  scene.stored_costs = costs_of(*metadata);
+  scene.skipped_faces = accel::counted(*metadata, "skipped_faces");
   return scene;
 }
 
@@ -116,18 +111,16 @@ Outcome<CameraDescription> parse_camera(const std::vector<std::string>& parts) {
   camera.up = {value[6], value[7], value[8]};
   camera.vfov_degrees = value[9];
   if (const Status valid = validate(camera); !valid) return usage("--camera: " + valid.message());
+  if (const auto usable = Camera::make(camera, 1, 1); !usable) return usage("--camera: " + usable.message());
   return camera;
 }
 
-// One of the scene's cameras, by name or counted from 1.
+// One of the scene's cameras, counted from 1; its name is not one of theirs.
 Outcome<CameraDescription> find_camera(const Scene& scene, const std::string& argument) {
   const std::vector<CameraDescription>& cameras = scene.data.cameras;
   if (cameras.empty()) return usage("--camera: scene '" + scene.name + "' has no cameras of its own; give ten numbers");
   std::vector<std::string_view> names;
-  for (const CameraDescription& camera : cameras) {
-    if (camera.name == argument) return camera;
-    names.push_back(camera.name);
-  }
+  for (const CameraDescription& camera : cameras) names.push_back(camera.name);
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(argument.data(), argument.data() + argument.size(), number);
   if (error != std::errc() || end != argument.data() + argument.size())
@@ -152,6 +145,9 @@ Outcome<Scene> open_scene(const std::string& argument, std::uint64_t seed, const
 }
 
 Outcome<CameraDescription> choose_camera(const Scene& scene, const std::string& argument) {
+  const std::vector<CameraDescription>& own = scene.data.cameras;
+  const auto named = std::find_if(own.begin(), own.end(), [&](const CameraDescription& c) { return c.name == argument; });
+  if (!argument.empty() && named != own.end()) return *named;
   const std::vector<std::string> parts = split(argument, ',');
   if (parts.size() == 10) return parse_camera(parts);
   if (parts.size() > 1)

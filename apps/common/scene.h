@@ -9,16 +9,9 @@
 #include "libaccel/core/progress.h"
 #include "libaccel/geometry/mesh_facts.h"
 #include "libaccel/geometry/scene_data.h"
-#include "libaccel/registry/any_structure.h"
+#include "libaccel/registry/accel_files.h"
 
 namespace accel::apps {
-
-// A structure as a file holds it.
-struct StoredStructure {
-  AnyStructure structure;
-  BuildReport report;
-  std::string builder;
-};
 
 struct Scene {
   std::string name;                       // as the user gave it
@@ -26,6 +19,7 @@ struct Scene {
   SceneData data;                         // without a mesh, where none is needed
   MeshFacts facts;                        // of the mesh, in any case
   std::optional<StoredStructure> stored;  // of a .accel file
+  BuildOptions stored_costs;              // by which it was built; of the options, these alone
   std::uint64_t skipped_faces = 0;        // of a scene file: those with fewer than three corners
   double load_seconds = 0;
 

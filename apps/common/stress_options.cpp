@@ -116,7 +116,7 @@ Finished interpret(const RawOptions& raw, StressSettings& settings) {
   if (raw.witness != "embree" && raw.witness != "none")
     return usage("--witness: '" + raw.witness + "' should be embree or none");
   settings.embree = raw.witness == "embree" && validation::EmbreeWitness::available();
-  return check_outputs({{"--resume", settings.resume}, {"--json", settings.json}});
+  return check_outputs({{"--resume", settings.resume}, {"--json", settings.json}}, {});
 }
 
 }  // namespace

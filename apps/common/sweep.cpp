@@ -89,7 +89,7 @@ std::string advice_text(const std::vector<TraceRow*>& rows, const std::string& k
   const TraceRow* fastest = first([](const TraceRow&) { return true; });
   if (fastest == best) return text + "; nothing that was tried is faster";
   const double gain = 100 * (best->point->ns_per_ray / fastest->point->ns_per_ray - 1);
-  return text + "; " + fastest->configuration() + " is " + print("%.2g", gain) + " % faster, with " +
+  return text + "; " + fastest->configuration() + " is " + print(gain < 9.5 ? "%.1f" : "%.0f", gain) + " % faster, with " +
          error_text(fastest->point->error) + t_text(*fastest);
 }
 
@@ -181,7 +181,10 @@ void place_on_plane(TraceReport& report, const TraceSettings& settings) {
     }
     row.point = point;
   }
-  for (const std::string& kind : settings.ray_kinds) {
+  std::vector<std::string> kinds;  // as rows have them
+  for (const TraceRow& row : report.rows)
+    if (std::find(kinds.begin(), kinds.end(), row.rays_kind) == kinds.end()) kinds.push_back(row.rays_kind);
+  for (const std::string& kind : kinds) {
     const auto rows = rows_of(report, kind);
     for (TraceRow* row : rows)
       row->point->on_front = is_ours(*row) && std::none_of(rows.begin(), rows.end(), [&](const TraceRow* other) {

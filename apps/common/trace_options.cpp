@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "apps/common/command_line.h"
 #include "apps/common/embree_modes.h"
 #include "apps/common/image.h"
 #include "apps/common/output.h"
+#include "apps/common/scaling.h"
 #include "apps/common/text.h"
 #include "libaccel/core/suggest.h"
+#include "libaccel/io/npy.h"
 #include "libaccel/rays/ray_kind.h"
 #include "libaccel/rays/ray_sets.h"
 #include "libaccel/registry/any_accel.h"
+#include "scenes/procedural.h"
 
 namespace accel::apps {
 
@@ -56,7 +60,8 @@ constexpr std::array<ScheduleName, 5> kSchedules = {{{"while-while", SimtSchedul
                                                      {"if-while", SimtSchedule::if_while}}};
 
 void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
-  app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf, .glb (or any .zst), .accel, or builtin:NAME[:size]")->type_name("");
+  app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf, .glb (or any .zst), .accel, or builtin:NAME[:size]")
+      ->type_name("");
   app.add_option("-m,--method", raw.methods, "methods (builder/traverser), best, or all")
       ->capture_default_str()
       ->type_name("NAME,...")
@@ -393,19 +398,29 @@ Finished check_consistency(const TraceSettings& settings) {
     return usage("--scaling: '" + settings.scene + "' has one size; only built-in scenes have others");
   if (!settings.scaling.empty() && is_npy(settings.ray_kinds.front()))
     return usage("--scaling: rays of a file fit one size of a scene; name a kind of rays");
+  for (const std::string& size : settings.scaling)
+    if (const Status good = check_builtin(scene_of_size(settings.scene, size)); !good)
+      return usage("--scaling: " + good.message());
   if (settings.max_error && !settings.sweep) return usage("--max-error: is about sweeps; add --sweep");
   if (settings.sweep && settings.check == Check::none) return usage("--sweep: measures errors; leave out --check none");
   if (settings.sweep && settings.device != "cpu")
     return usage("--sweep: is for the CPU; leave out --device " + settings.device);
   if (settings.sweep && settings.sort) return usage("--sweep: and --sort are measured one at a time");
+  if (settings.sweep && (settings.profile_simt || settings.profile_multipass))
+    return usage("--sweep: and --profile are measured one at a time");
   if (settings.hits > 0 && settings.hits_out.empty()) return usage("--hits: needs --hits-out, a file for them");
+  InputFiles inputs{settings.scene};
+  std::copy_if(settings.ray_kinds.begin(), settings.ray_kinds.end(), std::back_inserter(inputs.others), is_npy);
+  for (const std::string& path : inputs.others)
+    if (const auto rays = read_rays_npy(path); !rays) return rays.error();
   return check_outputs({{"--json", settings.json},
                         {"--report", settings.report},
                         {"--image", settings.image},
                         {"--heatmap", settings.heatmap},
                         {"--diff", settings.diff},
                         {"--rays-out", settings.rays_out},
-                        {"--hits-out", settings.hits_out}});
+                        {"--hits-out", settings.hits_out}},
+                       inputs);
 }
 
 // Options that would do nothing, since nothing that they are about was asked for.
@@ -413,6 +428,11 @@ Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings)
   const auto any_rays = [&](bool (*condition)(const std::string&)) {
     return std::any_of(settings.ray_kinds.begin(), settings.ray_kinds.end(), condition);
   };
+  const auto any_method = [&](auto... endings) {
+    return std::any_of(settings.methods.begin(), settings.methods.end(),
+                       [&](const std::string& m) { return m == "best" || m == "all" || (m.ends_with(endings) || ...); });
+  };
+  const bool makes_packets = any_method("/stream", "/breadth-first");
   const struct {
     const char* flag;
     bool has_effect;
@@ -420,6 +440,13 @@ Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings)
   } options[] = {
       {"--batch", settings.profile_multipass, "is about passes; add --profile multipass"},
       {"--compact", settings.profile_multipass, "is about passes; add --profile multipass"},
+      {"--judge-limit", settings.check != Check::none, "is about checking; leave out --check none"},
+      {"--repro", settings.check != Check::none, "is about wrong hits, for which nobody looks; leave out --check none"},
+      {"--packet-size", makes_packets, "is about methods that make packets of rays, which none of --method do"},
+      {"--packet-block", makes_packets, "is about methods that make packets of rays, which none of --method do"},
+      {"--cell-fraction", makes_packets || settings.sort,
+       "is about methods that make packets of rays, which none of --method do, and about --sort"},
+      {"--camera", any_rays(has_pixels) || !settings.image.empty(), "is about rays that have pixels, which none of --rays do"},
       {"--heatmap-of", !settings.heatmap.empty() || !settings.report.empty(), "is about heat maps; add --heatmap or --report"},
       {"--count", any_rays(is_counted), "is about rays that have no pixels; put random or edge into --rays"},
       {"--pixel-order", any_rays(has_pixels), "is about rays that have pixels, which none of --rays do"},

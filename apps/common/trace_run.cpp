@@ -166,8 +166,10 @@ class TraceRun {
     std::optional<SortedRays> sorted;
     if (settings_.sort) {
       bar_.begin("sorting " + kind);
-      sorted = sorted_rays(batch->rays(), scene_.facts.bounds,
-                           {*settings_.sort, settings_.packets.cell_fraction, settings_.common.threads}, settings_.repeat);
+      auto made = sorted_rays(batch->rays(), scene_.facts.bounds,
+                              {*settings_.sort, settings_.packets.cell_fraction, settings_.common.threads}, settings_.repeat);
+      if (!made) return made.error();
+      sorted = *std::move(made);
       for (Engine engine : engines_) {
         engine.name += ", sorted", engine.own_rays = sorted->rays.span();
         engines.push_back(std::move(engine));
@@ -481,6 +483,11 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& te
     const auto run = run_trace(settings_for_size(settings, size), terminal, bar);
     if (!run) return run.failure();
     add_points(*run, report->scaling);
+    for (const Skip& skip : run->skipped) {
+      const auto is_same = [&](const Skip& other) { return other.what == skip.what && other.why == skip.why; };
+      if (std::none_of(report->skipped.begin(), report->skipped.end(), is_same))
+        report->skipped.push_back({skip.what + " in " + run->scene, skip.why});
+    }
   }
   return report;
 }

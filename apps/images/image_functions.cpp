@@ -235,7 +235,13 @@ void draw_class_legend(Canvas& canvas, const Layout& layout, int panel, const Cl
   }
 }
 
-void draw_title(Canvas& canvas, const Layout& layout, int panel, const std::string& title) {
+// Cut short where the panel has no room for it.
+void draw_title(Canvas& canvas, const Layout& layout, int panel, std::string title) {
+  const auto fits = [&](const std::string& words) { return canvas.text_width(words, layout.font) <= layout.panel_width; };
+  if (!fits(title)) {
+    while (!title.empty() && !fits(title + "...")) title.pop_back();
+    title += "...";
+  }
   canvas.text(layout.panel_left(panel), layout.margin + layout.font, title, layout.font);
 }
 

@@ -151,12 +151,17 @@ test_scaling() {
   json out 'all(p["ns_per_ray"] > 0 and p["bytes"] > 0 for p in j["scaling"])'
   json out 'len({p["triangles"] for p in j["scaling"]}) == 2'
   usage_error trace quad.obj --scaling 1k; says err "only built-in scenes"
-  usage_error trace builtin:terrain --scaling zwei; says err "bad scene size"
+  expect 0 trace builtin:soup:500 --method all --scaling 500,30k --rays random --count 200000 --check none
+  says out "skipped: brute/loop in builtin:soup:30k"
+  # Found before any work is done.
+  for sizes in 1k,zwei 1k,300M 1k,; do usage_error trace builtin:terrain --scaling $sizes --hits-out hits.npy; says err "--scaling: "; done
+  [ ! -e hits.npy ] || fail "an output was written"
 }
 
 test_sweep_usage() {
   usage_error trace builtin:cornell --max-error 5; says err "add --sweep"
   usage_error trace builtin:cornell --sweep --check none; says err "measures errors"
+  usage_error trace builtin:cornell --sweep --profile simt; says err "one at a time"
   usage_error trace builtin:cornell --sweep --max-error -1; says err "should be a number from 0 to 1000000"
 }
 
@@ -209,6 +214,37 @@ test_usage_errors() {
   usage_error trace --rays-out same.npy --hits-out ./same.npy; says err "--rays-out, --hits-out"
   usage_error build quad.obj -o same.accel --json same.accel; says err "--output, --json"
   usage_error trace --quiet --verbose
+  usage_error trace --rays edge --rays random; says err "--rays: is given twice"
+  usage_error build quad.obj --structure bvh --structure sbvh; says err "is given twice"
+  usage_error trace quad.obj --json ""; says err "--json: its value is empty"
+  usage_error build quad.obj --stats --json ""; says err "--json: its value is empty"
+}
+
+# Options of what was not asked for.
+test_idle_options() {
+  usage_error trace builtin:cornell --check none --judge-limit 5; says err "leave out --check none"
+  usage_error trace builtin:cornell --check none --repro mine; says err "leave out --check none"
+  usage_error trace builtin:cornell --method sbvh/stack --packet-size 8; says err "make packets"
+  usage_error trace builtin:cornell --method sbvh/stack,kdtree/stack --cell-fraction 0.1; says err "--sort"
+  expect 0 trace builtin:cornell --method sbvh/stack --cell-fraction 0.1 --sort morton --check none
+  usage_error trace builtin:cornell --rays random --camera 0,0,3,0,0,0,0,1,0,45; says err "have pixels"
+}
+
+# No run writes over what it reads, nor what the next run would take for a description of the scene.
+test_outputs_spare_inputs() {
+  quad; cp quad.obj same.obj; ln -s same.obj link.obj
+  for flag in --json --report; do usage_error trace quad.obj $flag quad.obj; says err "'quad.obj' is the scene"; done
+  usage_error trace same.obj --json ./link.obj; says err "is the scene"
+  usage_error build quad.obj --stats --json quad.obj; says err "is the scene"
+  for name in quad.json quad.obj.json; do
+    usage_error trace quad.obj --json $name; says err "cameras and light of 'quad.obj'"
+    usage_error build quad.obj -o quad.accel --json $name; says err "cameras and light of 'quad.obj'"
+  done
+  cmp quad.obj same.obj || fail "the scene was written over"
+  expect 0 trace quad.obj --rays-out rays.npy --check none; cp rays.npy same.npy
+  usage_error trace quad.obj --rays rays.npy --hits-out rays.npy; says err "'rays.npy' is read"
+  cmp rays.npy same.npy || fail "the rays were written over"
+  expect 0 trace quad.obj --rays rays.npy --json other.json
 }
 
 # One each: apps/test/trace_options_test.cpp has all flags and all that is no number.
@@ -232,6 +268,9 @@ test_cameras() {
   expect 0 trace quad.obj --camera 1; says out "'door'"
   usage_error trace quad.obj --camera dor; says err "did you mean 'door'?"
   usage_error trace quad.obj --camera 2; says err "1 camera"
+  usage_error trace quad.obj --camera 0,0,1e19,0,0,0,0,1,0,45; says err "--camera: "
+  echo '{"cameras": [{"name": "door, left", "eye": [0.5, 0.5, 3], "at": [0.5, 0.5, 0]}]}' >quad.json
+  expect 0 trace quad.obj --camera "door, left"; says out "'door, left'"
 }
 
 test_input_errors() {
@@ -245,6 +284,9 @@ test_input_errors() {
   head -c 100 /dev/zero >bad.accel; input_error trace bad.accel; says err bad.accel
   head -c 100 /dev/zero >bad.npy; input_error trace builtin:cornell --rays bad.npy; says err bad.npy
   quad; echo '{"cameras": 3}' >quad.json; input_error trace quad.obj; says err quad.json
+  # Rays that are not there are found before others are traced.
+  input_error trace builtin:cornell --rays primary,nothing.npy --hits-out hits.npy; says err nothing.npy
+  [ ! -e hits.npy ] || fail "an output was written"
 }
 
 test_empty_and_odd_scenes() {
@@ -265,6 +307,19 @@ test_accel_files() {
   expect 0 trace quad.accel --method all; says out "skipped: brute/loop"
   expect 0 build quad.obj -o list.accel --for brute/loop
   expect 0 trace list.accel; says out brute/loop
+  echo 'f 1 2' >>quad.obj
+  expect 0 build quad.obj -o quad.accel
+  expect 0 trace quad.accel; says out "skipped: 1 face, because it has fewer than three corners"
+}
+
+# A file's expected cost is that of its build, whatever the costs were.
+test_accel_files_keep_their_costs() {
+  needs_python
+  for options in "kdtree --traversal-cost 8" "bvh --traversal-cost 4 --max-leaf-size 2" "grid --traversal-cost 10" "bvh8 --intersection-cost 5"; do
+    expect 0 build builtin:soup:3000 --structure $options -o soup.accel --json built.json
+    expect 0 trace soup.accel --check none --json traced.json
+    json traced.json 'abs(j["benchmarks"][0]["sah_cost"] / json.load(open("built.json"))["benchmarks"][0]["sah_cost"] - 1) < 1e-6'
+  done
 }
 
 # The same input and options give the same bytes, for any number of threads.
@@ -347,6 +402,7 @@ test_instances() {
   expect 0 trace part.obj --method all --rays primary,edge --json - --quiet; json out 'j["context"]["triangles"] == 2'
   expect 0 build part.obj --structure instances -o part.accel; expect 0 trace part.accel; says out instances/stack
   expect 0 build part.obj --structure bvh8-instances -o wide.accel; expect 0 trace wide.accel; says out bvh8-instances/stream
+  expect 0 trace wide.accel --rays random --check none; says out bvh8-instances/stream
   expect 0 build part.obj --structure sbvh -o flat.accel; expect 0 trace flat.accel; says out sbvh/stack
   printf '{"instances": [{}, {"scale": 0}]}' >part.json
   input_error trace part.obj; says err "part.json: instance 2"
@@ -521,6 +577,19 @@ test_query_is_in_what_is_reported() {
   expect 0 trace builtin:cornell --rays primary,shadow --query any --json any.json --report any.html; says out "all ask for any hit"
   json any.json 'all(r["query"] == "any" for r in j["benchmarks"]) and j["context"]["query"] == "any"'
   grep -q "of all rays, whether they meet anything" any.html || fail "the page does not say what is asked"
+}
+
+# Files of one name in two folders are two kinds of rays, each with its own rows.
+test_rays_of_one_name() {
+  needs_python
+  mkdir a b
+  expect 0 trace builtin:cornell --rays random --count 18 --rays-out a/x.npy --check none
+  expect 0 trace builtin:cornell --rays random --count 3000 --rays-out b/x.npy --check none
+  expect 0 trace builtin:cornell --rays a/x.npy,b/x.npy --method sbvh/stack --json -
+  json out '{(b["rays_kind"], b["rays"]) for b in j["benchmarks"]} == {("a/x.npy", 18), ("b/x.npy", 3000)}'
+  json out 'len({b["name"] for b in j["benchmarks"]}) == len(j["benchmarks"])'
+  expect 0 "$ACCEL_TRACE" builtin:cornell --sweep --rays a/x.npy,random --method sbvh/stack --count 500 --repeat 1 --json -
+  json out 'set(j["context"]["advice"]) == {"x.npy", "random", "edge"}'
 }
 
 test_any_hit_kinds_write_hits() { expect 0 trace builtin:cornell --rays shadow --hits-out hits.npy; [ -s hits.npy ] || fail "no hits"; }
