@@ -31,7 +31,11 @@ Status save(const std::filesystem::path& path, const AnyAccel& accel, const Scen
   metadata.statistics["skipped_zero_area"] = static_cast<double>(report.skipped.zero_area);
   metadata.statistics["skipped_out_of_range"] = static_cast<double>(report.skipped.out_of_range);
   // There is a status: the structure of a method is in the list.
-  return *visit_structure(accel.structure(), [&](const auto& s) { return save_accel(path, metadata, scene, s); });
+  return *visit_structure(accel.structure(), [&](const auto& s) {
+    if (const Status valid = validate(s, scene.size()); !valid)
+      return Status(Error{path.string() + ": is not written, for the structure is not of this scene: " + valid.message()});
+    return save_accel(path, metadata, scene, s);
+  });
 } catch (const std::bad_alloc&) {
   return out_of_memory("writing a structure file");
 }

@@ -26,7 +26,8 @@ struct StoredStructure {
 Result<StoredStructure> read_structure(const AccelFile& file, const AccelMetadata& metadata);
 
 // Writes the handle's structure with the scene that it was built over, as one mesh where its method does not keep instances
-// apart. What the handle knows is added to the metadata: structure, builder, and the statistics of the build.
+// apart. What the handle knows is added to the metadata: structure, builder, and the statistics of the build. An
+// error for a scene that cannot be the one: readers would refuse the file.
 Status save_accel(const std::filesystem::path& path, const AnyAccel& accel, const TriangleMesh& scene,
                   AccelMetadata metadata = {});
 Status save_accel(const std::filesystem::path& path, const AnyAccel& accel, const InstancedMeshes& scene,

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <any>
+#include <new>
 #include <vector>
 
+#include "libaccel/core/out_of_memory.h"
 #include "libaccel/core/suggest.h"
 #include "libaccel/exec/cuda/device_memory.cuh"
 #include "libaccel/exec/cuda/device_method.cuh"
@@ -86,7 +88,7 @@ struct DeviceBatch::State {
   DeviceArray<std::uint32_t> next_ray;
 };
 
-Result<DeviceBatch> DeviceBatch::upload(std::span<const Ray> rays) {
+Result<DeviceBatch> DeviceBatch::upload(std::span<const Ray> rays) try {
   if (const auto device = cuda_device_info(); !device) return device.error();
   if (rays.size() > kMaxRays) {
     return Error{std::to_string(rays.size()) + " rays are too many for one batch; trace at most " + std::to_string(kMaxRays)};
@@ -101,6 +103,8 @@ Result<DeviceBatch> DeviceBatch::upload(std::span<const Ray> rays) {
   if (!next_ray) return next_ray.error();
   return DeviceBatch(
       std::make_shared<State>(State{std::move(*on_device), std::move(*hits), std::move(*occluded), std::move(*next_ray)}));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("uploading rays");
 }
 
 std::size_t DeviceBatch::size() const { return state_->rays.size(); }
@@ -114,7 +118,7 @@ struct DeviceAccel::State {
   std::size_t bytes;
 };
 
-Result<DeviceAccel> DeviceAccel::upload(const AnyStructure& structure, std::string_view method) {
+Result<DeviceAccel> DeviceAccel::upload(const AnyStructure& structure, std::string_view method) try {
   const auto found = find_device_method(method);
   if (!found) return found.error();
   const auto bound = AnyAccel::bind(structure, method);
@@ -125,9 +129,11 @@ Result<DeviceAccel> DeviceAccel::upload(const AnyStructure& structure, std::stri
   if (const Status s = uploader.status(); !s) return s.error();
   const std::size_t bytes = uploader.bytes();
   return DeviceAccel(std::make_shared<const State>(State{*found, std::move(view), uploader.take_copies(), bytes}));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("uploading a structure");
 }
 
-Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, const DeviceTraceOptions& options) const {
+Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, const DeviceTraceOptions& options) const try {
   const auto test = find_test(options.test);
   if (!test) return test.error();
   if (batch.size() == 0) return DeviceTiming{};
@@ -168,6 +174,8 @@ Result<DeviceTiming> DeviceAccel::trace(const DeviceBatch& batch, Query query, c
   }
   std::sort(times.begin(), times.end());
   return DeviceTiming{times[times.size() / 2], times.front(), times.back()};
+} catch (const std::bad_alloc&) {
+  return out_of_memory("tracing on a device");
 }
 
 std::size_t DeviceAccel::size_bytes() const { return state_->bytes; }

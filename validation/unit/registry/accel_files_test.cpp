@@ -73,6 +73,18 @@ TEST_F(AccelFilesTest, InstancesAreStoredAsTheMethodHasThem) {
   }
 }
 
+// A structure that names triangles which the scene has not would be refused by whoever reads it.
+TEST_F(AccelFilesTest, OtherScenesAreRefused) {
+  const TriangleMesh mesh = mesh_with_a_point();
+  const TriangleMesh other = validation::mesh_of(validation::random_triangles(20, 0.5f, 3));
+  for (const char* method : {"bvh8/stream", "kdtree/stack", "grid/dda", "sbvh/hash"}) {
+    const Status saved = save_accel(path(), AnyAccel::build(mesh, method).value(), other);
+    ASSERT_FALSE(saved) << method;
+    EXPECT_THAT(saved.message(), HasSubstr("not of this scene"));
+    EXPECT_EQ(files_in_folder(), 0u);
+  }
+}
+
 // The report that comes with it knows what the build has left out.
 TEST_F(AccelFilesTest, WhatWasStoredCanBeRefitted) {
   const TriangleMesh mesh = mesh_with_a_point();
