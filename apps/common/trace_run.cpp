@@ -16,6 +16,7 @@
 #include "apps/common/sweep.h"
 #include "apps/common/text.h"
 #include "apps/common/trace_pictures.h"
+#include "libaccel/io/atomic_file.h"
 #include "libaccel/io/npy.h"
 #include "libaccel/rays/ray_kind.h"
 
@@ -32,8 +33,15 @@ std::string first_image_kind(const std::vector<std::string>& kinds) {
 
 class TraceRun {
  public:
-  TraceRun(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar, Scene scene, std::string device)
-      : settings_(settings), terminal_(terminal), bar_(bar), scene_(std::move(scene)), embree_(scene_, settings.common, bar) {
+  // Files are added to `outputs`, for the caller to put them in their places.
+  TraceRun(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar, Scene scene, std::string device,
+           std::vector<AtomicPath>& outputs)
+      : settings_(settings),
+        terminal_(terminal),
+        bar_(bar),
+        scene_(std::move(scene)),
+        outputs_(outputs),
+        embree_(scene_, settings.common, bar) {
     report_.device = std::move(device);
     if (!settings.report.empty()) pictured_kind_ = first_image_kind(settings.ray_kinds);
   }
@@ -360,27 +368,42 @@ class TraceRun {
 
   Finished write_files(const Traced& traced, const TraceRow& row, std::span<const std::uint32_t> steps, RayMaker& maker,
                        Checker& checker) {
-    if (!settings_.rays_out.empty())
-      if (const Status s = write_rays_npy(settings_.rays_out, traced.batch.rays()); !s) return s.error();
-    if (settings_.hits > 0) {
-      if (auto done = write_nearest(traced); !done) return done;
-    } else if (!settings_.hits_out.empty()) {
-      if (const Status s = write_hits(traced); !s) return s.error();
-    }
     const std::string subject = row.method + ", " + row.rays_kind + ", " + scene_.title;
-    if (!settings_.heatmap.empty()) {
+    const auto rays = [&](const std::string& path) { return as_finished(write_rays_npy(path, traced.batch.rays())); };
+    const auto hits = [&](const std::string& path) {
+      return settings_.hits > 0 ? write_nearest(traced, path) : as_finished(write_hits(traced, path));
+    };
+    const auto heatmap = [&](const std::string& path) {
       const HeatPicture picture = heat_picture(steps, settings_.heatmap_of, traced.batch.set, maker.picture_size(), subject);
-      if (auto done = write_heat(settings_.heatmap, picture, counter_name(settings_.heatmap_of)); !done) return done;
-    }
-    if (settings_.diff.empty()) return Done{};
-    const Difference difference{traced.batch, traced.measured.answers, traced.testimony, *row.check,
-                                checker.judge(traced.truth)};
-    const DifferencePictures pictures = difference_pictures(difference, maker.picture_size(), subject);
-    return write_classes(settings_.diff, pictures.distance, pictures.verdicts, "t_difference_ulp");
+      return write_heat(path, picture, counter_name(settings_.heatmap_of));
+    };
+    const auto diff = [&](const std::string& path) {
+      const Difference difference{traced.batch, traced.measured.answers, traced.testimony, *row.check,
+                                  checker.judge(traced.truth)};
+      const DifferencePictures pictures = difference_pictures(difference, maker.picture_size(), subject);
+      return write_classes(path, pictures.distance, pictures.verdicts, "t_difference_ulp");
+    };
+    if (auto done = write_output(settings_.rays_out, rays); !done) return done;
+    if (auto done = write_output(settings_.hits_out, hits); !done) return done;
+    if (auto done = write_output(settings_.heatmap, heatmap); !done) return done;
+    return write_output(settings_.diff, diff);
+  }
+
+  static Finished as_finished(const Status& status) { return status ? Finished(Done{}) : Finished(status.error()); }
+
+  // Writes a file by write(path), which appears as `target` when all of the run is done; none without a name.
+  template <class Write>
+  Finished write_output(const std::string& target, const Write& write) {
+    if (target.empty()) return Done{};
+    auto output = AtomicPath::create(target);
+    if (!output) return output.error();
+    if (auto done = write(output->path().string()); !done) return done;
+    outputs_.push_back(*std::move(output));
+    return Done{};
   }
 
   // The nearest hits of each ray, traced for this file alone.
-  Finished write_nearest(const Traced& traced) {
+  Finished write_nearest(const Traced& traced, const std::string& path) {
     const std::span<const Ray> rays = traced.batch.rays();
     const std::size_t k = settings_.hits;
     if (rays.size() > kMaxRays / k)
@@ -398,18 +421,17 @@ class TraceRun {
                                    std::span(counts).subspan(begin, size), trace_options(traced.configuration.test));
       if (!found) return found.error();
     }
-    if (const Status written = write_hits_npy(settings_.hits_out, hits, k); !written) return written.error();
-    return Done{};
+    return as_finished(write_hits_npy(path, hits, k));
   }
 
   // Any-hit answers have no t and no primitive: they are written as prim_id 0 for occluded.
-  Status write_hits(const Traced& traced) {
+  static Status write_hits(const Traced& traced, const std::string& path) {
     const Answers& answers = traced.measured.answers;
-    if (traced.batch.query == Query::closest) return write_hits_npy(settings_.hits_out, answers.hits.span());
+    if (traced.batch.query == Query::closest) return write_hits_npy(path, answers.hits.span());
     std::vector<Hit> hits(answers.occluded.size());
     for (std::size_t i = 0; i < hits.size(); ++i)
       if (answers.occluded[i] != 0) hits[i] = Hit{0, 0, 0, 0};
-    return write_hits_npy(settings_.hits_out, hits);
+    return write_hits_npy(path, hits);
   }
 
   // The view with soft shadows in its corners: more directions where there are fewer rays to average.
@@ -423,7 +445,8 @@ class TraceRun {
     const PrimaryHits from{scene_.triangles(), view->rays, view->hits};
     const auto open = openness(accel, from, directions, settings_.common.seed, settings_.common.threads, bar_);
     if (!open) return open.failure();
-    return write_shaded(settings_.image, shade(scene_.triangles(), view->rays, view->hits, maker.picture_size(), *open));
+    const ShadedPicture picture = shade(scene_.triangles(), view->rays, view->hits, maker.picture_size(), *open);
+    return write_output(settings_.image, [&](const std::string& path) { return write_shaded(path, picture); });
   }
 
   // Files that show what went wrong. Failing to write them must not hide it.
@@ -447,6 +470,7 @@ class TraceRun {
   const Terminal& terminal_;
   ProgressBar& bar_;
   Scene scene_;
+  std::vector<AtomicPath>& outputs_;
   TraceReport report_;
   InstructionCounter counter_;
   std::vector<Configuration> configurations_;
@@ -477,9 +501,10 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& te
   bar.begin("loading " + settings.scene);
   auto scene = open_scene(settings.scene, settings.common.seed, bar.callback(), mesh_use(settings));
   if (!scene) return scene.failure();
-  auto report = TraceRun(settings, terminal, bar, *std::move(scene), device).run();
+  std::vector<AtomicPath> outputs;
+  auto report = TraceRun(settings, terminal, bar, *std::move(scene), device, outputs).run();
+  if (!report) return report;
   for (const std::string& size : settings.scaling) {
-    if (!report) return report;
     const auto run = run_trace(settings_for_size(settings, size), terminal, bar);
     if (!run) return run.failure();
     add_points(*run, report->scaling);
@@ -489,6 +514,8 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& te
         report->skipped.push_back({skip.what + " in " + run->scene, skip.why});
     }
   }
+  for (AtomicPath& output : outputs)
+    if (const Status done = output.commit(); !done) return done.error();
   return report;
 }
 

@@ -751,6 +751,14 @@ interrupted_trace() {
   [ "$(cat hits.npy)" = before ] || fail "an output was touched"
   [ "$(ls -A | sort | tr '\n' ' ')" = "err hits.npy out " ] || fail "something was left behind: $(ls -A)"
 }
+# In the second kind of rays, when the first kind's files are ready.
+test_interrupt_leaves_all_outputs() {
+  echo before >hits.npy; echo before >rays.npy
+  interrupted_by INT 130 "$ACCEL_TRACE" builtin:soup:50000 --method brute/loop --rays primary,random --width 8 --height 8 --count 2000000 \
+    --hits-out hits.npy --rays-out rays.npy --check none
+  [ "$(cat hits.npy rays.npy)" = "$(printf 'before\nbefore')" ] || fail "an output was touched"
+  [ "$(ls -A | sort | tr '\n' ' ')" = "err hits.npy out rays.npy " ] || fail "something was left behind: $(ls -A)"
+}
 test_interrupt_is_130() { interrupted_trace INT 130; }
 test_terminate_is_143() { interrupted_trace TERM 143; }
 
