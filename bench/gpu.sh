@@ -43,9 +43,6 @@ find_nvcc() {
 }
 
 build_programs() {
-  local nvcc
-  nvcc=$(find_nvcc)
-  [[ -n $nvcc ]] || fail 5 "no CUDA compiler: put nvcc on PATH"
   # The resource report of every kernel (registers, stack, spills) goes into the log.
   cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CUDA_COMPILER="$nvcc" \
     -DCMAKE_CUDA_ARCHITECTURES=native -DCMAKE_CUDA_FLAGS="-Xptxas=-v" \
@@ -81,6 +78,8 @@ primitives_test=$build/validation/unit.exec.cuda_primitives_test
 gpu_trace=$build/bench/gpu_trace
 gpu_primitives=$build/bench/gpu_primitives
 if $do_build; then
+  nvcc=$(find_nvcc)
+  [[ -n $nvcc ]] || fail 5 "no CUDA compiler: put nvcc on PATH"
   echo "building in $build (log: $out/build.log)"
   build_programs > "$out/build.log" 2>&1 || { tail -n 30 "$out/build.log" >&2 && fail 1 "the build failed"; }
 fi

@@ -108,31 +108,22 @@ std::string parse(int argc, char** argv, Arguments& arguments) {
   return {};
 }
 
-Result<SceneData> load_scene(const std::string& name) {
-  if (name.starts_with("builtin:")) {
-    auto builtin = make_builtin(name);
-    if (!builtin) return builtin;
-    auto mesh = builtin->one_mesh();
-    if (!mesh) return mesh.error();
-    builtin->mesh = *std::move(mesh);
-    return builtin;
-  }
-  auto mesh = load_mesh(name);
-  if (!mesh) return mesh.error();
-  SceneData scene;
-  scene.mesh = std::move(*mesh);
-  return scene;
-}
+// JSON on standard output has that for itself.
+std::FILE* table_of(const Arguments& arguments) { return arguments.json == "-" ? stderr : stdout; }
 
-Aabb bounds_of(const TriangleMesh& mesh) {
-  Aabb bounds;
-  for (const Vec3& v : mesh.vertices) bounds.extend(v);
-  return bounds;
+// With its cameras and light, as one mesh.
+Result<SceneData> open_scene(const std::string& name) {
+  auto scene = name.starts_with("builtin:") ? make_builtin(name) : load_scene(name);
+  if (!scene) return scene;
+  auto mesh = scene->one_mesh();
+  if (!mesh) return mesh.error();
+  scene->mesh = *std::move(mesh);
+  return scene;
 }
 
 // One set of each kind that the library makes.
 Result<std::vector<NamedRays>> make_ray_sets(const SceneData& scene, const AnyAccel& accel, std::uint32_t size) {
-  const Aabb bounds = bounds_of(scene.mesh);
+  const Aabb bounds = mesh_facts(scene.mesh).bounds;
   const CameraDescription view = scene.cameras.empty() ? default_camera(bounds) : scene.cameras.front();
   const LightDescription light = scene.light.value_or(default_light(bounds, view));
   const auto camera = Camera::make(view, size, size);
@@ -204,17 +195,17 @@ Status measure(const Arguments& arguments, const AnyAccel& cpu, const DeviceAcce
     if (!mismatches) return mismatches.error();
     row.policy = policy.name, row.timing = *timing, row.mismatches = *mismatches;
     rows.push_back(row);
-    std::printf("%-20.20s %-12s %-9s %-10s %9.1f %9.1f %9.1f %8llu %6llu\n", row.scene.c_str(), row.method.c_str(),
-                row.kind.c_str(), row.policy, row.mrays(timing->median_ms), row.mrays(timing->max_ms),
-                row.mrays(timing->min_ms), static_cast<unsigned long long>(row.rays),
-                static_cast<unsigned long long>(row.mismatches));
-    std::fflush(stdout);
+    std::fprintf(table_of(arguments), "%-20.20s %-12s %-9s %-10s %9.1f %9.1f %9.1f %8llu %6llu\n", row.scene.c_str(),
+                 row.method.c_str(), row.kind.c_str(), row.policy, row.mrays(timing->median_ms), row.mrays(timing->max_ms),
+                 row.mrays(timing->min_ms), static_cast<unsigned long long>(row.rays),
+                 static_cast<unsigned long long>(row.mismatches));
+    std::fflush(table_of(arguments));
   }
   return Done{};
 }
 
 Status measure_scene(const Arguments& arguments, const std::string& name, std::vector<Row>& rows) {
-  const auto scene = load_scene(name);
+  const auto scene = open_scene(name);
   if (!scene) return scene.error();
   const auto best = AnyAccel::build(scene->mesh, best_method());
   if (!best) return best.error();
@@ -285,10 +276,10 @@ int main(int argc, char** argv) {
     std::cerr << "error: " << device.message() << '\n';
     return kNoDevice;
   }
-  std::printf("%s, compute capability %d.%d, %d multiprocessors\n", device->name.c_str(), device->compute_major,
-              device->compute_minor, device->multiprocessors);
-  std::printf("%-20s %-12s %-9s %-10s %9s %9s %9s %8s %6s\n", "scene", "method", "rays", "policy", "Mrays/s", "min", "max",
-              "count", "differ");
+  std::fprintf(table_of(arguments), "%s, compute capability %d.%d, %d multiprocessors\n", device->name.c_str(),
+               device->compute_major, device->compute_minor, device->multiprocessors);
+  std::fprintf(table_of(arguments), "%-20s %-12s %-9s %-10s %9s %9s %9s %8s %6s\n", "scene", "method", "rays", "policy",
+               "Mrays/s", "min", "max", "count", "differ");
   std::vector<Row> rows;
   for (const std::string& scene : arguments.scenes) {
     if (const Status s = measure_scene(arguments, scene, rows); !s) {

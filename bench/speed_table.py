@@ -30,12 +30,12 @@ def cell(values):
 
 
 def table(scenes):
-    kinds = list(next(iter(scenes.values())))
+    kinds = list(dict.fromkeys(kind for scene in scenes.values() for kind in scene))
     lines = ["| scene | " + " | ".join(kinds) + " |", "| --- |" + " --- |" * len(kinds)]
-    medians = [cell([statistics.median(s[kind][i] for s in scenes.values()) for i in (0, 1)]) for kind in kinds]
+    medians = [cell([statistics.median(s[kind][i] for s in scenes.values() if kind in s) for i in (0, 1)]) for kind in kinds]
     lines.append("| **median** | " + " | ".join(f"**{m}**" for m in medians) + " |")
     for name, scene in scenes.items():
-        lines.append(f"| {name} | " + " | ".join(cell(scene[kind]) for kind in kinds) + " |")
+        lines.append(f"| {name} | " + " | ".join(cell(scene[kind]) if kind in scene else "-" for kind in kinds) + " |")
     return lines
 
 

@@ -5,8 +5,8 @@
 #
 # FOLDER and OUT are those of bench/scenes.sh (default out/sweep); THREADS is 2. Prints a table of all scenes. Takes one to five minutes a scene.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+root=$(cd "$(dirname "$0")/.." && pwd)
 
-out=${2:-out/sweep}
-bash bench/scenes.sh "${1:-../shared/scenes}" "$out" --sweep --threads "${3:-2}" --embree robust,high >&2
-python3 bench/sweep_table.py "$out"/*.json
+out=${2:-$root/out/sweep}
+bash "$root/bench/scenes.sh" "${1:-$root/../shared/scenes}" "$out" --sweep --threads "${3:-2}" --embree robust,high >&2
+python3 "$root/bench/sweep_table.py" "$out"/*.json

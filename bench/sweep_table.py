@@ -46,7 +46,7 @@ def summary(scenes):
     rows = [row for kinds in scenes.values() for row in kinds.values()]
     timed = [kinds[kind]["ratio_to_embree"] for kinds in scenes.values() for kind in KINDS[:2] if kind in kinds]
     wrong = [kinds["edge"]["edge_error"]["per_million"] for kinds in scenes.values() if "edge" in kinds]
-    return (statistics.geometric_mean(timed), statistics.mean(wrong), max(row["t_ulp"]["max"] for row in rows),
+    return (statistics.geometric_mean(timed), statistics.mean(wrong), max((row["t_ulp"]["max"] for row in rows if "t_ulp" in row), default=0),
             statistics.median(row["bytes_per_triangle"] for row in rows))
 
 

@@ -1,6 +1,6 @@
-# One source a method: the list in libaccel/registry/methods.h is read, and each of its lines is instantiated by itself, in a file
-# that includes what this method needs and nothing of the others. So methods compile in parallel, and a new or changed traverser
-# recompiles its own methods only.
+# One source a method, or for CUDA a few: the list in libaccel/registry/methods.h is read, and its lines are instantiated in files
+# that include what these methods need and nothing of the others. So methods compile in parallel, and a changed traverser
+# recompiles its own methods, and those that share their sources.
 
 # accel_find_declaration(<variable> <name> <headers...>): the header that declares a type or an alias.
 function(accel_find_declaration variable name)

@@ -29,7 +29,9 @@ Finished check_outputs(std::initializer_list<OutputFile> files, const InputFiles
   std::map<std::filesystem::path, std::string> role_of;
   if (!inputs.scene.empty() && !inputs.scene.starts_with("builtin:")) {
     role_of.emplace(identity(inputs.scene), "is the scene");
-    for (const std::filesystem::path& name : scene_description_names(inputs.scene))
+    const bool has_description = !inputs.scene.ends_with(".accel");  // such a file holds its own
+    for (const std::filesystem::path& name :
+         has_description ? scene_description_names(inputs.scene) : std::vector<std::filesystem::path>())
       role_of.emplace(identity(name.string()), "is where cameras and light of '" + inputs.scene + "' are looked for");
   }
   for (const std::string& path : inputs.others) role_of.emplace(identity(path), "is read");

@@ -25,8 +25,8 @@ Outcome<RayBatch> read_batch(const std::string& path, const std::vector<std::str
 
 std::uint64_t most_rays(const TraceSettings& settings, const std::string& name) {
   if (name.ends_with(".npy")) {
-    const auto rays = read_rays_npy(name);
-    return rays ? rays->size() : 0;
+    const auto rays = count_rays_npy(name);
+    return rays ? *rays : 0;
   }
   const auto kind = parse_ray_kind(name);
   if (!kind) return 0;

@@ -205,7 +205,7 @@ std::string stress_json(const StressReport& report, const StressSettings& settin
                        {"seed", settings.common.seed},
                        {"seconds", report.state.seconds}}},
                      {"stress", std::move(rows)}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";  // file names need not be UTF-8
 }
 
 }  // namespace accel::apps

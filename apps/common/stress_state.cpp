@@ -52,7 +52,8 @@ Outcome<StressState> load_stress_state(const std::string& path, std::uint64_t se
   const Result<InputBytes> input = read_input(path);
   if (!input) return input.error();
   const Json json = Json::parse(input->text(), nullptr, false);
-  if (!json.is_object() || json.value("format", Json()) != kFormat)
+  const auto format = json.find("format");
+  if (!json.is_object() || format == json.end() || *format != kFormat)
     return Error{path + " holds no state of accel-trace stress; name another file, or remove it"};
   try {
     StressState state = state_of(json);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <iterator>
 #include <utility>
 
@@ -412,7 +413,7 @@ Finished check_consistency(const TraceSettings& settings) {
   InputFiles inputs{settings.scene};
   std::copy_if(settings.ray_kinds.begin(), settings.ray_kinds.end(), std::back_inserter(inputs.others), is_npy);
   for (const std::string& path : inputs.others)
-    if (const auto rays = read_rays_npy(path); !rays) return rays.error();
+    if (const auto rays = count_rays_npy(path); !rays) return rays.error();
   return check_outputs({{"--json", settings.json},
                         {"--report", settings.report},
                         {"--image", settings.image},
@@ -428,11 +429,9 @@ Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings)
   const auto any_rays = [&](bool (*condition)(const std::string&)) {
     return std::any_of(settings.ray_kinds.begin(), settings.ray_kinds.end(), condition);
   };
-  const auto any_method = [&](auto... endings) {
-    return std::any_of(settings.methods.begin(), settings.methods.end(),
-                       [&](const std::string& m) { return m == "best" || m == "all" || (m.ends_with(endings) || ...); });
-  };
-  const bool makes_packets = any_method("/stream", "/breadth-first");
+  const bool has_packets = std::any_of(settings.methods.begin(), settings.methods.end(), [](const std::string& method) {
+    return method == "best" || method == "all" || makes_packets(method);
+  });
   const struct {
     const char* flag;
     bool has_effect;
@@ -442,10 +441,10 @@ Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings)
       {"--compact", settings.profile_multipass, "is about passes; add --profile multipass"},
       {"--judge-limit", settings.check != Check::none, "is about checking; leave out --check none"},
       {"--repro", settings.check != Check::none, "is about wrong hits, for which nobody looks; leave out --check none"},
-      {"--packet-size", makes_packets, "is about methods that make packets of rays, which none of --method do"},
-      {"--packet-block", makes_packets, "is about methods that make packets of rays, which none of --method do"},
-      {"--cell-fraction", makes_packets || settings.sort,
-       "is about methods that make packets of rays, which none of --method do, and about --sort"},
+      {"--packet-size", has_packets, "is about methods that make packets of rays, which none of --method do"},
+      {"--packet-block", has_packets, "is about methods that make packets of rays, which none of --method do"},
+      {"--cell-fraction", has_packets || settings.sort == RaySort::ray_hash,
+       "is about methods that make packets of rays, which none of --method do, and about --sort ray-hash"},
       {"--camera", any_rays(has_pixels) || !settings.image.empty(), "is about rays that have pixels, which none of --rays do"},
       {"--heatmap-of", !settings.heatmap.empty() || !settings.report.empty(), "is about heat maps; add --heatmap or --report"},
       {"--count", any_rays(is_counted), "is about rays that have no pixels; put random or edge into --rays"},
@@ -466,18 +465,19 @@ Finished refuse_build_options(const CLI::App& app, const TraceSettings& settings
 }
 
 // What a repro bundle repeats. Packets decide no hits unless something is wrong with them.
-std::vector<std::string> hit_options(const CLI::App& app) {
-  constexpr std::array<std::string_view, 5> kOthers = {"--seed", "--device", "--cell-fraction", "--packet-size",
-                                                       "--packet-block"};
-  std::vector<std::string> arguments;
+void keep_hit_options(const CLI::App& app, TraceSettings& settings) {
+  const auto is_one_of = [](const std::string& name, std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
-    const bool decides = option->get_group() == "Build" || std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
+    const bool is_of_packets = is_one_of(name, {"--cell-fraction", "--packet-size", "--packet-block"});
+    const bool decides = is_of_packets || option->get_group() == "Build" || is_one_of(name, {"--seed", "--device"});
     if (!decides || option->count() == 0) continue;
+    std::vector<std::string>& arguments = is_of_packets ? settings.packet_options : settings.hit_options;
     arguments.push_back(name);
     for (const std::string& value : option->results()) arguments.push_back(value);
   }
-  return arguments;
 }
 
 // A sweep measures a hundred configurations: fewer rays and runs, unless the user says so.
@@ -493,6 +493,8 @@ void apply_sweep_defaults(const CLI::App& app, TraceSettings& settings, RawOptio
 }
 
 }  // namespace
+
+bool makes_packets(std::string_view method) { return method.ends_with("/stream") || method.ends_with("/breadth-first"); }
 
 Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   CLI::App app(kDescription, "accel-trace");
@@ -512,7 +514,7 @@ Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
   settings.is_demo = app.count("SCENE") == 0;
   settings.check_given = app.count("--check") > 0;
   settings.build.threads = settings.common.threads;
-  settings.hit_options = hit_options(app);
+  keep_hit_options(app, settings);
   if (!settings.help.empty() || settings.list) return settings;
   if (auto done = refuse_build_options(app, settings); !done) return done.failure();
   if (settings.sweep) apply_sweep_defaults(app, settings, raw);

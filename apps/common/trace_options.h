@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/common/common_settings.h"
@@ -62,9 +63,13 @@ struct TraceSettings {
   RayCounter heatmap_of = RayCounter::steps;
   std::string repro = "accel-repro";  // how the names of repro bundles begin
 
-  bool is_demo = false;                  // no scene was named
-  std::vector<std::string> hit_options;  // those given that decide hits, but for scene, method, test and rays: as arguments
+  bool is_demo = false;  // no scene was named
+  // Those given that decide hits, but for scene, method, test and rays, as arguments; and those of methods that make packets.
+  std::vector<std::string> hit_options, packet_options;
 };
+
+// Whether a method traces batches as packets.
+bool makes_packets(std::string_view method);
 
 // Errors are usage errors; names of methods, ray kinds and tests are looked up here.
 Outcome<TraceSettings> parse_trace_options(int argc, char** argv);

@@ -454,6 +454,8 @@ class TraceRun {
     std::string stem = settings_.repro + "-" + row.method + "-" + row.rays_kind;
     std::replace(stem.begin() + static_cast<std::ptrdiff_t>(settings_.repro.size()), stem.end(), '/', '-');
     std::vector<std::string> options = settings_.hit_options;
+    if (makes_packets(row.method))
+      options.insert(options.end(), settings_.packet_options.begin(), settings_.packet_options.end());
     if (!row.test.empty()) options.insert(options.end(), {"--test", row.test});
     const auto written =
         checker.write_bundle(stem, traced.batch, traced.truth, traced.measured.answers, traced.testimony, *row.check,

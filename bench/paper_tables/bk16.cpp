@@ -3,6 +3,8 @@
 //
 // Speeds are ratios to the stack version on the same rays and machine, here a CPU; what a GPU would make of the same state
 // machines is told by the SIMT model (exec/simt.h): issued steps and memory traffic in warps of 32.
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +26,7 @@ namespace accel::paper_tables {
 namespace {
 
 enum KindIndex { kPrimary, kShadow, kDiffuse, kKinds };
-constexpr const char* kKindTitles[kKinds] = {"Primary", "Shadow", "Diffuse"};
+constexpr const char* kKindTitles[kKinds] = {"Primary", "Shadow", "Diffuse"};  // shadow: of the diffuse rays, whether they hit
 constexpr Query kQueries[kKinds] = {Query::closest, Query::any, Query::closest};
 
 // The stack version comes first: all others are compared with it. hash-1 is no method of its own: the paper's variant, with one
@@ -116,18 +118,16 @@ SimtProfile profile_with_one_register(const AnyAccel& hash, int kind, const RayB
 }
 
 Result<Batches> make_batches(const SceneData& scene, const AnyAccel& accel, const Settings& settings) {
-  auto primary = primary_rays(scene, settings.size);
+  auto primary = primary_rays(scene, settings.size, PixelOrder::z_curve);
   if (!primary) return primary.error();
   std::vector<Hit> hits(primary->size());
   if (const Status s = accel.closest(primary->rays, hits); !s) return s.error();
   const PrimaryHits from{scene.mesh, *primary, hits};
-  auto shadow = shadow_rays(from, light_of(scene));
-  if (!shadow) return shadow.error();
   auto diffuse = diffuse_rays(from);
   if (!diffuse) return diffuse.error();
 
   Batches batches;
-  batches[kShadow].rays = std::move(shadow->rays);
+  batches[kShadow].rays = diffuse->rays;
   batches[kDiffuse].rays = std::move(diffuse->rays);
   batches[kPrimary].rays = std::move(primary->rays);
   for (RayBatch& batch : batches) batch.hits.resize(batch.rays.size()), batch.occluded.resize(batch.rays.size());
@@ -190,6 +190,10 @@ void count_distances(const AnyAccel& sibling, const Batches& batches, Histogram&
 // What binding the hash version adds to the tree: bytes and the time of the phase, as a median.
 Status measure_tables(const AnyAccel& stack, const Settings& settings, SceneResult& result) {
   std::vector<double> times;
+  // Binding takes all threads, and building as many as it is told.
+  std::optional<tbb::global_control> limit;
+  if (settings.threads > 0)
+    limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(settings.threads));
   for (int turn = 0; turn < settings.repeat; ++turn) {
     const auto hash = stack.with_method(kMethods[kHash]);
     if (!hash) return hash.error();

@@ -132,8 +132,9 @@ std::string percent(double share) { return number(100 * share) + " %"; }
 double mrays_of(std::size_t rays, double ms) { return 1e-3 * static_cast<double>(rays) / std::max(ms, 1e-6); }
 
 double median(std::vector<double> values) {
+  if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
-  return values.empty() ? 0.0 : values[values.size() / 2];
+  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
 }
 
 }  // namespace accel::paper_tables

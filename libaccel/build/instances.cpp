@@ -171,14 +171,16 @@ class Builder {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kTellingInterval{100};
 
-  // Tells the caller how much of all meshes is done, not each of the phases of each of them.
+  // Tells the caller how much of all meshes is done, not each of the phases of each of them, which begin anew.
   Progress progress_of(const TriangleMesh& mesh) {
     return [this, &mesh](std::string_view, double fraction) {
       const auto now = Clock::now();
       if (now - last_told_ < kTellingInterval) return true;
       last_told_ = now;
-      return options_.progress(
-          "meshes", (static_cast<double>(done_) + fraction * static_cast<double>(mesh.size())) / static_cast<double>(all_));
+      const double of_all =
+          (static_cast<double>(done_) + fraction * static_cast<double>(mesh.size())) / static_cast<double>(all_);
+      told_ = std::max(told_, of_all);
+      return options_.progress("meshes", told_);
     };
   }
 
@@ -239,6 +241,7 @@ class Builder {
   std::uint64_t held_ = 0;            // bytes of the trees so far
   std::uint64_t done_ = 0, all_ = 0;  // triangles of meshes
   Clock::time_point last_told_{};
+  double told_ = 0;
   BuildReport report_;
 };
 

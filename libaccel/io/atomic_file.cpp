@@ -33,6 +33,15 @@ fs::path temporary_name(const fs::path& target) {
   return target.parent_path() / ("." + target.stem().string().substr(0, 100) + ".tmp-" + unique + target.extension().string());
 }
 
+// Whether a file is where what the program prints goes: /dev/stdout, where that is a file, is a link to it.
+bool is_printed_to(const fs::path& path) {
+  struct stat file, printed;
+  if (::stat(path.c_str(), &file) != 0) return false;
+  for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO})
+    if (::fstat(descriptor, &printed) == 0 && file.st_dev == printed.st_dev && file.st_ino == printed.st_ino) return true;
+  return false;
+}
+
 // Creates a file that was not there, with the mode that the user's mask gives. Returns a descriptor, or -1 and errno.
 int create_new(const fs::path& path) { return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
 
@@ -64,13 +73,19 @@ void AtomicPath::discard() noexcept {
 Result<AtomicPath> AtomicPath::create(const fs::path& named) try {
   std::error_code ignored;
   fs::path target = named;
-  if (fs::is_symlink(fs::symlink_status(target, ignored)) && fs::exists(target, ignored))
+  constexpr int kMostLinks = 40;
+  if (fs::is_symlink(fs::symlink_status(target, ignored)) && fs::exists(target, ignored)) {
     target = fs::canonical(target, ignored);
+  } else {
+    for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(target, ignored)); ++i)
+      target = target.parent_path() / fs::read_symlink(target, ignored);
+  }
   if (target.empty()) target = named;
 
   const fs::file_status status = fs::status(target, ignored);
   if (fs::is_directory(status)) return Error{named.string() + ": is a folder"};
   if (fs::exists(status) && !fs::is_regular_file(status)) return AtomicPath(target, target);
+  if (is_printed_to(target)) return Error{named.string() + ": is the file that this program prints to; give another name"};
   // Renaming would replace a file that its owner has protected.
   if (fs::exists(status) && ::access(target.c_str(), W_OK) != 0) return system_error(named, "cannot be replaced", errno);
 

@@ -3,7 +3,8 @@
 //
 // An output that is destroyed before commit() leaves nothing behind, and what was at the target before stays. A file that is
 // replaced keeps its mode; one that must not be written is not replaced. Through a symbolic link the file that it points to is
-// replaced. A target that exists and is not a regular file (/dev/null, a pipe) is
+// replaced, or made. The file that standard output or standard error goes to is refused: what is printed would be lost. A
+// target that exists and is not a regular file (/dev/null, a pipe) is
 // written directly, since renaming over it would destroy it.
 #pragma once
 

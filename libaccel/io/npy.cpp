@@ -209,6 +209,28 @@ struct NpyFile {
   }
 };
 
+// One that holds rays.
+struct RaysFile {
+  NpyFile npy;
+  FloatMatrix matrix;
+
+  std::uint64_t count() const { return npy.header.shape[0]; }
+
+  static Result<RaysFile> open(const std::filesystem::path& path) {
+    Result<NpyFile> file = NpyFile::open(path);
+    if (!file) return file.error();
+    const auto& [name, mapping, header] = *file;
+    const std::vector<std::uint64_t>& shape = header.shape;
+    if (shape.size() != 2 || (shape[1] != 8 && shape[1] != 6))
+      return Error{name + ": rays need shape (N, 8) (org, t_min, dir, t_max) or (N, 6) (org, dir), not " + shape_text(shape)};
+    const std::optional<FloatMatrix> matrix = FloatMatrix::make(header, file->data());
+    if (!matrix) return Error{name + ": rays need the type float32 or float64, not " + header.descr.substr(0, 80)};
+    if (Status status = check_size(header, mapping->bytes().size(), shape[1] * matrix->number_bytes(), name); !status)
+      return status.error();
+    return RaysFile{*std::move(file), *matrix};
+  }
+};
+
 }  // namespace
 
 Status write_rays_npy(const std::filesystem::path& path, std::span<const Ray> rays) try {
@@ -232,22 +254,20 @@ Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hi
   return out_of_memory("writing a .npy file");
 }
 
+Result<std::uint64_t> count_rays_npy(const std::filesystem::path& path) try {
+  const Result<RaysFile> file = RaysFile::open(path);
+  return file ? Result<std::uint64_t>(file->count()) : file.error();
+} catch (const std::bad_alloc&) {
+  return out_of_memory("reading rays");
+}
+
 Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path) try {
-  const Result<NpyFile> file = NpyFile::open(path);
+  const Result<RaysFile> file = RaysFile::open(path);
   if (!file) return file.error();
-  const auto& [name, mapping, header] = *file;
-
-  const std::vector<std::uint64_t>& shape = header.shape;
-  if (shape.size() != 2 || (shape[1] != 8 && shape[1] != 6))
-    return Error{name + ": rays need shape (N, 8) (org, t_min, dir, t_max) or (N, 6) (org, dir), not " + shape_text(shape)};
-  const std::optional<FloatMatrix> matrix = FloatMatrix::make(header, file->data());
-  if (!matrix) return Error{name + ": rays need the type float32 or float64, not " + header.descr.substr(0, 80)};
-  if (Status status = check_size(header, mapping->bytes().size(), shape[1] * matrix->number_bytes(), name); !status)
-    return status.error();
-
-  const bool with_interval = shape[1] == 8;
+  const bool with_interval = file->npy.header.shape[1] == 8;
   const int dir = with_interval ? 4 : 3;
-  Buffer<Ray> rays(shape[0]);
+  const FloatMatrix* const matrix = &file->matrix;
+  Buffer<Ray> rays(file->count());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Ray& ray = rays[i] = Ray{};
     ray.org = {matrix->at(i, 0), matrix->at(i, 1), matrix->at(i, 2)};

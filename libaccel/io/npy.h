@@ -24,6 +24,8 @@ namespace accel {
 
 Status write_rays_npy(const std::filesystem::path& path, std::span<const Ray> rays);
 Result<Buffer<Ray>> read_rays_npy(const std::filesystem::path& path);
+// How many there are, without reading them; the errors are the same.
+Result<std::uint64_t> count_rays_npy(const std::filesystem::path& path);
 
 Status write_hits_npy(const std::filesystem::path& path, std::span<const Hit> hits);
 

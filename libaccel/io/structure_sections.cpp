@@ -76,7 +76,9 @@ void write_sections(AccelFileWriter& writer, const AccelMetadata& metadata) {
 Status read_sections(const AccelFile& file, AccelMetadata& metadata) {
   const Result<std::string> text = file.text("metadata");
   if (!text) return text.error();
-  const Json root = Json::parse(*text, nullptr, false);
+  // Nothing that is written is nested so deep, and dump() recurses.
+  const auto is_shallow = [](int depth, Json::parse_event_t, Json&) { return depth <= 64; };
+  const Json root = Json::parse(*text, is_shallow, false);
   const bool good =
       root.is_object() && read_text(root, "structure", metadata.structure) && read_text(root, "builder", metadata.builder) &&
       read_text(root, "scene", metadata.scene) && root.contains("options") && read_options(root["options"], metadata.options) &&

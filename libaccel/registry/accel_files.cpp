@@ -1,5 +1,6 @@
 #include "libaccel/registry/accel_files.h"
 
+#include <algorithm>
 #include <new>
 #include <utility>
 
@@ -73,6 +74,9 @@ Result<AnyAccel> load_accel(const std::filesystem::path& path, std::string_view 
   if (!metadata) return metadata.error();
   auto stored = read_structure(*file, *metadata);
   if (!stored) return stored.error();
+  const std::string best = best_method({.builder = stored->builder});
+  const auto is_of_builder = [&](const MethodInfo& m) { return m.name == best && m.builder == stored->builder; };
+  if (method == "best" && std::any_of(methods().begin(), methods().end(), is_of_builder)) method = best;
   return AnyAccel::bind(std::move(stored->structure), method, std::move(stored->report));
 } catch (const std::bad_alloc&) {
   return out_of_memory("reading a structure file");

@@ -33,8 +33,8 @@ Status save_accel(const std::filesystem::path& path, const AnyAccel& accel, cons
 Status save_accel(const std::filesystem::path& path, const AnyAccel& accel, const InstancedMeshes& scene,
                   AccelMetadata metadata = {});
 
-// The structure of a file, mapped and bound to a method; "best" is that of structures of its kind. Whoever wants the scene or
-// the cameras too opens an AccelFile and reads them.
+// The structure of a file, mapped and bound to a method; "best" is that of who built it, or of its kind. Whoever wants the
+// scene or the cameras too opens an AccelFile and reads them.
 Result<AnyAccel> load_accel(const std::filesystem::path& path, std::string_view method = "best");
 
 }  // namespace accel

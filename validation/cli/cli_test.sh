@@ -151,7 +151,7 @@ test_scaling() {
   json out 'all(p["ns_per_ray"] > 0 and p["bytes"] > 0 for p in j["scaling"])'
   json out 'len({p["triangles"] for p in j["scaling"]}) == 2'
   usage_error trace quad.obj --scaling 1k; says err "only built-in scenes"
-  expect 0 trace builtin:soup:500 --method all --scaling 500,30k --rays random --count 200000 --check none
+  expect 0 trace builtin:soup:500 --method all --scaling 500,30k --rays random --count 7000 --check none
   says out "skipped: brute/loop in builtin:soup:30k"
   # Found before any work is done.
   for sizes in 1k,zwei 1k,300M 1k,; do usage_error trace builtin:terrain --scaling $sizes --hits-out hits.npy; says err "--scaling: "; done
@@ -226,7 +226,8 @@ test_idle_options() {
   usage_error trace builtin:cornell --check none --repro mine; says err "leave out --check none"
   usage_error trace builtin:cornell --method sbvh/stack --packet-size 8; says err "make packets"
   usage_error trace builtin:cornell --method sbvh/stack,kdtree/stack --cell-fraction 0.1; says err "--sort"
-  expect 0 trace builtin:cornell --method sbvh/stack --cell-fraction 0.1 --sort morton --check none
+  expect 0 trace builtin:cornell --method sbvh/stack --cell-fraction 0.1 --sort ray-hash --check none
+  usage_error trace builtin:cornell --method sbvh/stack --cell-fraction 0.1 --sort morton; says err "--sort ray-hash"
   usage_error trace builtin:cornell --rays random --camera 0,0,3,0,0,0,0,1,0,45; says err "have pixels"
 }
 
@@ -245,6 +246,8 @@ test_outputs_spare_inputs() {
   usage_error trace quad.obj --rays rays.npy --hits-out rays.npy; says err "'rays.npy' is read"
   cmp rays.npy same.npy || fail "the rays were written over"
   expect 0 trace quad.obj --rays rays.npy --json other.json
+  expect 0 build quad.obj -o stored.accel; expect 0 trace stored.accel --json stored.json
+  usage_error trace stored.accel --json stored.accel; says err "is the scene"
 }
 
 # One each: apps/test/trace_options_test.cpp has all flags and all that is no number.
@@ -717,6 +720,14 @@ test_full_disk_and_closed_pipe() {
   : >out; one_line_error; says err "standard output"
   { trace builtin:cornell 2>err; echo $? >status; } | true
   case "$(cat status)" in 0 | 1) ;; *) fail "a closed pipe ends with status $(cat status)" ;; esac
+}
+
+test_what_is_printed_is_not_replaced() {
+  echo precious >log
+  trace builtin:cornell --check none --json /dev/stdout >>log 2>err; [ $? -eq 1 ] || fail "standard output was replaced"
+  : >out; one_line_error; says err "prints to"; says log precious
+  trace builtin:cornell --check none --json ./log >log 2>err; [ $? -eq 1 ] || fail "standard output was replaced"
+  trace builtin:cornell --check none --json /dev/stdout | grep -q benchmarks || fail "a pipe is written"
 }
 
 test_outputs_are_replaced_whole() {

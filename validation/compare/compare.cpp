@@ -263,6 +263,16 @@ Result<CheckResult> compare_any(const Judge& judge, std::span<const Ray> rays, s
   return run(AnyAnswers{judge, rays, ours, witness}, options);
 }
 
+Rate CheckResult::rate_of(std::uint64_t events) const {
+  const std::uint64_t disagreeing = rays - ours.agree, judged = disagreeing - unjudged;
+  if (unjudged == 0) return rate(events, rays);
+  // As many rays as have that many disagreeing ones.
+  return rate(events, judged == 0
+                          ? 0
+                          : static_cast<std::uint64_t>(std::llround(static_cast<double>(rays) * static_cast<double>(judged) /
+                                                                    static_cast<double>(disagreeing))));
+}
+
 Rate rate(std::uint64_t events, std::uint64_t trials) {
   if (trials == 0) return {};
   const double scale = 1e6 / static_cast<double>(trials);

@@ -83,8 +83,9 @@ struct CheckResult {
 
   std::uint64_t failures() const { return ours.failures(); }
   bool limit_binds() const { return unjudged > 0; }
-  // Of the rays that were decided: judged, or taken as right because the witness agrees.
-  Rate rate_of(std::uint64_t events) const { return rate(events, rays - unjudged); }
+  // Of all rays, of which those are taken as right that the witness agrees on. Where the limit binds, the disagreeing rays that
+  // were judged stand for all of these: they are spread evenly.
+  Rate rate_of(std::uint64_t events) const;
 };
 
 // Closest hits. `ours` has one hit a ray, and so has `witness` unless it is empty.

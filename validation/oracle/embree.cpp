@@ -44,15 +44,17 @@ class Takes {
 
   bool operator()(const Ray& ray) const {
     if (!is_traceable(ray)) return false;
-    if (maps_.empty() || (largest(ray.dir) <= most_dir_ && largest(ray.org) <= most_org_)) return true;
+    if (maps_.empty() || (is_within(ray.dir, most_dir_) && is_within(ray.org, most_org_))) return true;
     return std::all_of(maps_.begin(), maps_.end(), [&](const AffineInverse& map) {
       const Ray inside = map.ray(ray);
-      return largest(inside.dir) <= 0.5f * kMaxCoordinate && largest(inside.org) <= 0.5f * kMaxCoordinate;
+      return is_within(inside.dir, 0.5f * kMaxCoordinate) && is_within(inside.org, 0.5f * kMaxCoordinate);
     });
   }
 
  private:
-  static float largest(Vec3 v) { return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z))); }
+  static bool is_within(Vec3 v, float most) {
+    return std::fabs(v.x) <= most && std::fabs(v.y) <= most && std::fabs(v.z) <= most;
+  }
 
   std::vector<AffineInverse> maps_;
   float most_dir_ = kMaxCoordinate, most_org_ = kMaxCoordinate;

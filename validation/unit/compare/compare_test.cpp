@@ -203,6 +203,12 @@ TEST(Rate, IsOfTheRaysThatWereDecided) {
   check.rays = 20'000, check.unjudged = 19'800;
   EXPECT_DOUBLE_EQ(check.rate_of(0).bound95_per_million, 15'000);
   EXPECT_DOUBLE_EQ(check.rate_of(1).per_million, 5'000);
+  // Wrong hits are among the rays that disagree: a tenth of those, judged, has a tenth of the wrong ones.
+  check.ours.agree = 19'000, check.unjudged = 900;
+  EXPECT_DOUBLE_EQ(check.rate_of(1).per_million, 500);
+  EXPECT_DOUBLE_EQ(check.rate_of(0).bound95_per_million, 1'500);
+  check.unjudged = 1'000;
+  EXPECT_TRUE(std::isnan(check.rate_of(0).per_million));
 }
 
 }  // namespace

@@ -108,5 +108,13 @@ TEST_F(AtomicFileTest, ReadOnlyFilesAreNotReplaced) {
   EXPECT_EQ(files_in_folder(), 1u);
 }
 
+TEST_F(AtomicFileTest, LinksToNothingMakeTheirTarget) {
+  std::filesystem::create_symlink("target", folder() / "link");
+  std::filesystem::create_symlink("link", folder() / "other");
+  ASSERT_TRUE(write_file(folder() / "other", "text"));
+  EXPECT_EQ(contents(folder() / "target"), "text");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder() / "link"));
+}
+
 }  // namespace
 }  // namespace accel

@@ -59,6 +59,15 @@ TEST_F(NpyTest, RaysComeBackBitForBit) {
   EXPECT_NE(bytes.find("{'descr': '<f4', 'fortran_order': False, 'shape': (1000, 8), }"), std::string::npos);
 }
 
+TEST_F(NpyTest, CountsWithoutReading) {
+  const std::filesystem::path path = folder() / "rays.npy";
+  ASSERT_TRUE(write_rays_npy(path, std::vector<Ray>(7)));
+  EXPECT_EQ(*count_rays_npy(path), 7u);
+  EXPECT_FALSE(count_rays_npy(folder() / "none.npy"));
+  ASSERT_TRUE(write_hits_npy(path, std::vector<Hit>(7)));
+  EXPECT_FALSE(count_rays_npy(path));
+}
+
 TEST_F(NpyTest, HitsComeBack) {
   const std::vector<Hit> hits = {{1.5f, 0.25f, 0.5f, 7}, {}};
   const std::filesystem::path path = folder() / "hits.npy";

@@ -52,6 +52,7 @@ TEST_F(AccelFilesTest, EveryMethodsStructureComesBack) {
     const auto best = load_accel(path());
     ASSERT_TRUE(best) << best.message();
     EXPECT_EQ(best->method().structure, method.structure);
+    EXPECT_EQ(best->method().builder, method.builder);
   }
 }
 
