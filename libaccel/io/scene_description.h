@@ -3,8 +3,7 @@
 // For a scene NAME.ply.zst, the first of these that exists is read:
 //
 //   1. NAME.ply.zst.json       the scene's name with .json behind it
-//   2. NAME.json               the scene's name with .json in place of its ending (.ply, .obj, .gltf, .glb, each with or
-//   without .zst)
+//   2. NAME.json               the scene's name with .json in place of its ending (.ply, .ply.zst, .obj, .gltf, ...)
 //   3. the rows of scenes.tsv in the same folder whose column `file` is the scene's name
 //
 // The JSON form, in which every key is optional and unknown keys are errors:

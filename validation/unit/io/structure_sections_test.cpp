@@ -128,6 +128,20 @@ TEST_F(StructureSectionsTest, MetadataComesBack) {
   EXPECT_EQ(back->light->half_v, (Vec3{0, 1e-30f, 0}));
 }
 
+// Of a file with good checksums, which anyone can make: as deep as no stack is.
+TEST_F(StructureSectionsTest, MetadataNestedDeepIsAnError) {
+  for (const std::size_t depth : {10u, 1'000'000u}) {
+    AccelFileWriter writer;
+    writer.add_text("metadata",
+                    R"({"structure": "bvh2", "builder": "", "scene": "", "options": {}, "statistics": {}, "view": )" +
+                        std::string(depth, '[') + std::string(depth, ']') + "}");
+    ASSERT_TRUE(writer.write(path()));
+    const Result<AccelFile> file = AccelFile::open(path());
+    ASSERT_TRUE(file) << file.message();
+    EXPECT_FALSE(read<AccelMetadata>(*file)) << depth;
+  }
+}
+
 TEST_F(StructureSectionsTest, Bvh2ComesBack) {
   const TriangleMesh mesh = grid_mesh(20);
   const Bvh2 bvh = build(mesh);
