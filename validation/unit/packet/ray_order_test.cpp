@@ -73,13 +73,13 @@ TEST(RayOrder, MakesNeighboursOfNearRays) {
   };
   const double before = mean_step([](std::size_t i) { return i; });
   for (const RaySort sort : kRaySorts) {
-    const RayOrder order = order_rays(rays, kBox, {.sort = sort, .cell_fraction = 0.05f});
+    const RayOrder order = order_rays(rays, kBox, {.sort = sort, .cell_fraction = 0.05f}).value();
     EXPECT_LT(mean_step([&](std::size_t i) { return order.ids[i]; }), 0.3 * before) << name_of(sort);
   }
 }
 
 TEST(RayOrder, OfNothing) {
-  for (const RaySort sort : kRaySorts) EXPECT_TRUE(order_rays({}, kBox, {.sort = sort}).ids.empty());
+  for (const RaySort sort : kRaySorts) EXPECT_TRUE(order_rays({}, kBox, {.sort = sort}).value().ids.empty());
 }
 
 TEST(RayOrder, NamesAreParsed) {
