@@ -1,12 +1,9 @@
 #include "apps/common/ambient.h"
 
-#include "libaccel/geometry/mesh_facts.h"
-
 namespace accel::apps {
 
-Outcome<std::vector<float>> openness(const AnyAccel& accel, const PrimaryHits& from, int directions, std::uint64_t seed,
-                                     int threads, ProgressBar& bar) {
-  const float reach = default_ao_distance(mesh_facts(from.triangles).bounds);
+Outcome<std::vector<float>> openness(const AnyAccel& accel, const PrimaryHits& from, float reach, int directions,
+                                     std::uint64_t seed, int threads, ProgressBar& bar) {
   std::vector<float> open(from.hits.size(), 1.0f);
   std::vector<std::uint8_t> occluded;
   for (int d = 0; d < directions; ++d) {

@@ -10,8 +10,9 @@
 
 namespace accel::apps {
 
-// For each primary ray that hits, the share of `directions` seeded cosine-weighted rays that meet nothing nearby; 1 for misses.
-Outcome<std::vector<float>> openness(const AnyAccel& accel, const PrimaryHits& from, int directions, std::uint64_t seed,
-                                     int threads, ProgressBar& bar);
+// For each primary ray that hits, the share of `directions` seeded cosine-weighted rays that meet nothing within
+// `reach`; 1 for misses.
+Outcome<std::vector<float>> openness(const AnyAccel& accel, const PrimaryHits& from, float reach, int directions,
+                                     std::uint64_t seed, int threads, ProgressBar& bar);
 
 }  // namespace accel::apps

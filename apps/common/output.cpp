@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <map>
 
-#include "libaccel/io/atomic_file.h"
 #include "libaccel/io/scene_description.h"
 
 namespace accel::apps {
@@ -22,19 +21,23 @@ std::filesystem::path identity(std::string_view path) {
                      : std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored);
 }
 
+// What the files are that a run reads.
+std::map<std::filesystem::path, std::string> roles_of(const InputFiles& inputs) {
+  std::map<std::filesystem::path, std::string> roles;
+  for (const std::string& path : inputs.others) roles.emplace(identity(path), "is read");
+  if (inputs.scene.empty() || inputs.scene.starts_with("builtin:")) return roles;
+  roles.emplace(identity(inputs.scene), "is the scene");
+  if (inputs.scene.ends_with(".accel")) return roles;  // it holds its own description
+  for (const std::filesystem::path& name : scene_description_names(inputs.scene))
+    roles.emplace(identity(name.string()), "is where cameras and light of '" + inputs.scene + "' are looked for");
+  return roles;
+}
+
 }  // namespace
 
 Finished check_outputs(std::initializer_list<OutputFile> files, const InputFiles& inputs) {
   std::map<std::filesystem::path, std::string_view> flag_of;
-  std::map<std::filesystem::path, std::string> role_of;
-  if (!inputs.scene.empty() && !inputs.scene.starts_with("builtin:")) {
-    role_of.emplace(identity(inputs.scene), "is the scene");
-    const bool has_description = !inputs.scene.ends_with(".accel");  // such a file holds its own
-    for (const std::filesystem::path& name :
-         has_description ? scene_description_names(inputs.scene) : std::vector<std::filesystem::path>())
-      role_of.emplace(identity(name.string()), "is where cameras and light of '" + inputs.scene + "' are looked for");
-  }
-  for (const std::string& path : inputs.others) role_of.emplace(identity(path), "is read");
+  const std::map<std::filesystem::path, std::string> role_of = roles_of(inputs);
   for (const auto& [flag, path] : files) {
     if (path.empty()) continue;
     if (const auto role = role_of.find(identity(path)); path != "-" && role != role_of.end())
@@ -47,6 +50,21 @@ Finished check_outputs(std::initializer_list<OutputFile> files, const InputFiles
     if (path == "-") continue;
     if (const auto probe = AtomicPath::create(path); !probe) return probe.error();
   }
+  return Done{};
+}
+
+Finished PendingOutputs::add(const std::string& target, const std::function<Finished(const std::string& path)>& write) {
+  if (target.empty()) return Done{};
+  auto file = AtomicPath::create(target);
+  if (!file) return file.error();
+  if (auto done = write(file->path().string()); !done) return done;
+  files_.push_back(*std::move(file));
+  return Done{};
+}
+
+Finished PendingOutputs::publish() {
+  for (AtomicPath& file : files_)
+    if (const Status done = file.commit(); !done) return done.error();
   return Done{};
 }
 

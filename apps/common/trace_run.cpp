@@ -11,12 +11,12 @@
 #include "apps/common/embree_rivals.h"
 #include "apps/common/image.h"
 #include "apps/common/method_set.h"
+#include "apps/common/output.h"
 #include "apps/common/ray_batch.h"
 #include "apps/common/scaling.h"
 #include "apps/common/sweep.h"
 #include "apps/common/text.h"
 #include "apps/common/trace_pictures.h"
-#include "libaccel/io/atomic_file.h"
 #include "libaccel/io/npy.h"
 #include "libaccel/rays/ray_kind.h"
 
@@ -33,9 +33,9 @@ std::string first_image_kind(const std::vector<std::string>& kinds) {
 
 class TraceRun {
  public:
-  // Files are added to `outputs`, for the caller to put them in their places.
+  // Files are added to `outputs`, for the caller to publish.
   TraceRun(const TraceSettings& settings, const Terminal& terminal, ProgressBar& bar, Scene scene, std::string device,
-           std::vector<AtomicPath>& outputs)
+           PendingOutputs& outputs)
       : settings_(settings),
         terminal_(terminal),
         bar_(bar),
@@ -383,24 +383,13 @@ class TraceRun {
       const DifferencePictures pictures = difference_pictures(difference, maker.picture_size(), subject);
       return write_classes(path, pictures.distance, pictures.verdicts, "t_difference_ulp");
     };
-    if (auto done = write_output(settings_.rays_out, rays); !done) return done;
-    if (auto done = write_output(settings_.hits_out, hits); !done) return done;
-    if (auto done = write_output(settings_.heatmap, heatmap); !done) return done;
-    return write_output(settings_.diff, diff);
+    if (auto done = outputs_.add(settings_.rays_out, rays); !done) return done;
+    if (auto done = outputs_.add(settings_.hits_out, hits); !done) return done;
+    if (auto done = outputs_.add(settings_.heatmap, heatmap); !done) return done;
+    return outputs_.add(settings_.diff, diff);
   }
 
   static Finished as_finished(const Status& status) { return status ? Finished(Done{}) : Finished(status.error()); }
-
-  // Writes a file by write(path), which appears as `target` when all of the run is done; none without a name.
-  template <class Write>
-  Finished write_output(const std::string& target, const Write& write) {
-    if (target.empty()) return Done{};
-    auto output = AtomicPath::create(target);
-    if (!output) return output.error();
-    if (auto done = write(output->path().string()); !done) return done;
-    outputs_.push_back(*std::move(output));
-    return Done{};
-  }
 
   // The nearest hits of each ray, traced for this file alone.
   Finished write_nearest(const Traced& traced, const std::string& path) {
@@ -443,10 +432,11 @@ class TraceRun {
     constexpr std::uint32_t kDirectionsPerPixel = 32;
     const int directions = static_cast<int>(std::max(kDirectionsPerPixel / settings_.spp, 1u));
     const PrimaryHits from{scene_.triangles(), view->rays, view->hits};
-    const auto open = openness(accel, from, directions, settings_.common.seed, settings_.common.threads, bar_);
+    const float reach = default_ao_distance(scene_.facts.bounds);
+    const auto open = openness(accel, from, reach, directions, settings_.common.seed, settings_.common.threads, bar_);
     if (!open) return open.failure();
     const ShadedPicture picture = shade(scene_.triangles(), view->rays, view->hits, maker.picture_size(), *open);
-    return write_output(settings_.image, [&](const std::string& path) { return write_shaded(path, picture); });
+    return outputs_.add(settings_.image, [&](const std::string& path) { return write_shaded(path, picture); });
   }
 
   // Files that show what went wrong. Failing to write them must not hide it.
@@ -472,7 +462,7 @@ class TraceRun {
   const Terminal& terminal_;
   ProgressBar& bar_;
   Scene scene_;
-  std::vector<AtomicPath>& outputs_;
+  PendingOutputs& outputs_;
   TraceReport report_;
   InstructionCounter counter_;
   std::vector<Configuration> configurations_;
@@ -503,7 +493,7 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& te
   bar.begin("loading " + settings.scene);
   auto scene = open_scene(settings.scene, settings.common.seed, bar.callback(), mesh_use(settings));
   if (!scene) return scene.failure();
-  std::vector<AtomicPath> outputs;
+  PendingOutputs outputs;
   auto report = TraceRun(settings, terminal, bar, *std::move(scene), device, outputs).run();
   if (!report) return report;
   for (const std::string& size : settings.scaling) {
@@ -516,8 +506,7 @@ Outcome<TraceReport> run_trace(const TraceSettings& settings, const Terminal& te
         report->skipped.push_back({skip.what + " in " + run->scene, skip.why});
     }
   }
-  for (AtomicPath& output : outputs)
-    if (const Status done = output.commit(); !done) return done.error();
+  if (auto done = outputs.publish(); !done) return done.failure();
   return report;
 }
 

@@ -3,13 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
-
 #include "libaccel/io/load_mesh.h"
 #include "libaccel/io/npy.h"
 #include "validation/unit/compare/test_scenes.h"
+#include "validation/unit/io/io_test_support.h"
 
 namespace accel::validation {
 namespace {
@@ -18,24 +15,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// A folder of its own, removed at the end.
-class Repro : public ::testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "accel-repro-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  static std::string read(const fs::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-  }
-
-  fs::path folder_;
-};
+class Repro : public FileTest {};
 
 TEST_F(Repro, HoldsEverythingThatIsNeeded) {
   const TriangleMesh mesh = test::transformed(test::square(), 0.1f, {0.3f, 0.3f, 0.3f});
@@ -52,26 +32,26 @@ TEST_F(Repro, HoldsEverythingThatIsNeeded) {
   EXPECT_EQ(cases[0].verdict, Verdict::miss);
 
   const auto path = write_repro(
-      folder_ / "found", judge, cases,
+      folder() / "found", judge, cases,
       {"accel-trace demo.ply --seed 7", "my demo.ply", "bvh/stack", Query::closest, {"--seed", "7", "--test", "woop"}});
   ASSERT_TRUE(path.ok()) << path.message();
-  const std::string text = read(*path);
+  const std::string text = contents(*path);
   EXPECT_THAT(text, HasSubstr("found by  accel-trace demo.ply --seed 7\n"));
   EXPECT_THAT(text,
               HasSubstr("again     accel-trace 'my demo.ply' --seed 7 --test woop --method bvh/stack --check exact --rays " +
-                        (folder_ / "found-rays.npy").string() + "\n"));
+                        (folder() / "found-rays.npy").string() + "\n"));
   EXPECT_THAT(text, HasSubstr("ray 1: miss\n"));
   EXPECT_THAT(text, HasSubstr("hit at exactly this t: 1\n"));
   EXPECT_THAT(text, HasSubstr("triangle 1\n"));
   EXPECT_THAT(text, Not(HasSubstr("triangle 0\n")));
 
-  const auto again = read_rays_npy(folder_ / "found-rays.npy");
+  const auto again = read_rays_npy(folder() / "found-rays.npy");
   ASSERT_TRUE(again.ok());
   ASSERT_EQ(again->size(), 1);
   EXPECT_TRUE((*again)[0].org == rays[1].org && (*again)[0].dir == rays[1].dir);
   EXPECT_EQ((*again)[0].t_max, 8);
 
-  const auto triangles = load_mesh(folder_ / "found.obj");
+  const auto triangles = load_mesh(folder() / "found.obj");
   ASSERT_TRUE(triangles.ok()) << triangles.message();
   ASSERT_EQ(triangles->size(), 1);
   const Triangle a = triangles->triangle(0), b = mesh.triangle(1);
@@ -86,15 +66,15 @@ TEST_F(Repro, AnyHitAndUnwritableFolders) {
   const Result<CheckResult> result = compare_any(judge, rays, ours, witness);
   ASSERT_TRUE(result.ok());
   const std::vector<ReproCase> cases = repro_cases(*result, rays, ours, std::span<const std::uint8_t>(witness));
-  const auto path = write_repro(folder_ / "any", judge, cases, {"accel-trace", "demo.ply", "bvh/stack", Query::any, {}});
+  const auto path = write_repro(folder() / "any", judge, cases, {"accel-trace", "demo.ply", "bvh/stack", Query::any, {}});
   ASSERT_TRUE(path.ok()) << path.message();
-  const std::string text = read(*path);
+  const std::string text = contents(*path);
   EXPECT_THAT(text, HasSubstr("again     accel-trace demo.ply --query any --method bvh/stack "));
   EXPECT_THAT(text, HasSubstr("query     any hit\n"));
   EXPECT_THAT(text, HasSubstr("ours     free\n"));
   EXPECT_THAT(text, HasSubstr("witness  occluded\n"));
 
-  EXPECT_FALSE(write_repro(folder_ / "no" / "such" / "folder", judge, cases, {}).ok());
+  EXPECT_FALSE(write_repro(folder() / "no" / "such" / "folder", judge, cases, {}).ok());
 }
 
 }  // namespace
