@@ -45,6 +45,7 @@ endfunction()
 option(ACCEL_BUILD_TOOLS "Build accel-build, accel-trace and their oracles" ${PROJECT_IS_TOP_LEVEL})
 option(ACCEL_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(ACCEL_BUILD_BENCH "Build the Google Benchmark programs" ${PROJECT_IS_TOP_LEVEL})
+option(ACCEL_UNITY_TESTS "Compile tests together, as CMAKE_UNITY_BUILD does all sources: a third of the time, but for each change" OFF)
 option(ACCEL_WERROR "Treat warnings as errors" OFF)
 set(ACCEL_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
 

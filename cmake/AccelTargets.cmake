@@ -48,9 +48,10 @@ set(accel_common_headers <algorithm> <array> <chrono> <cstdint> <filesystem> <fu
   <string> <vector> <tbb/blocked_range.h> <tbb/combinable.h> <tbb/parallel_for.h> <tbb/parallel_sort.h> <tbb/task_arena.h> <tbb/task_group.h>)
 
 # For the library and the tests of its vector code, in which each of Highway's targets is compiled for itself. Processors with SSSE3
-# and without SSE4, the last from 2007, run the scalar code. What ThreadSanitizer and fuzzing look for does not depend on the target.
+# and without SSE4, the last from 2007, run the scalar code. What sanitizers look for hardly depends on the target, and each takes
+# its time to compile: with them there is AVX2, beside the scalar code.
 set(accel_highway_definitions "HWY_DISABLED_TARGETS=(HWY_SSSE3)")
-if(ACCEL_SANITIZE MATCHES "thread|fuzzer")
+if(ACCEL_SANITIZE)
   set(accel_highway_definitions "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3)")
 endif()
 
@@ -78,11 +79,15 @@ function(accel_cuda_settings target)
   target_link_libraries(${target} PRIVATE CUDA::cudart_static)
 endfunction()
 
-# accel_gtest(<name> SOURCES <sources...> LIBS <targets...>): a test program; every TEST becomes a ctest entry.
+# accel_gtest(<name> SOURCES <sources...> LIBS <targets...>): a test program; every TEST becomes a ctest entry. With sanitizers a
+# program takes longer to start than most tests to run: there every eighth test makes an entry together, a shard.
 function(accel_gtest name)
   cmake_parse_arguments(arg "" "" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   accel_compile_settings(${name})
+  if(ACCEL_UNITY_TESTS)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON)
+  endif()
   target_compile_definitions(${name} PRIVATE ACCEL_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ${accel_highway_definitions})
   target_link_libraries(${name} PRIVATE ${arg_LIBS} GTest::gtest_main GTest::gmock)
   if(arg_SOURCES MATCHES "\\.cu$")
@@ -90,5 +95,12 @@ function(accel_gtest name)
   else()
     accel_precompile(${name} tests <gmock/gmock.h> <gtest/gtest.h> ${accel_common_headers})
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+  if(NOT ACCEL_SANITIZE)
+    gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+    return()
+  endif()
+  foreach(shard RANGE 7)
+    add_test(NAME ${name}.shard${shard} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name}.shard${shard} PROPERTIES TIMEOUT 1200 ENVIRONMENT "GTEST_TOTAL_SHARDS=8;GTEST_SHARD_INDEX=${shard}")
+  endforeach()
 endfunction()

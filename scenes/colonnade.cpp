@@ -1,8 +1,8 @@
 // A vaulted hall between two rows of fluted columns: axis-aligned walls and steps beside finely curved shafts, as in
 // architecture.
 //
-// Metres; y is up, the hall runs along z from 0 (the viewer's end) to -kLength. Walls and steps are a few hundred triangles;
-// the columns, arches and the vault share the rest.
+// Metres; y is up, the hall runs along z from 0 (the viewer's end) to -kHallLength. Walls and steps are a few hundred
+// triangles; the columns, arches and the vault share the rest.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kBays = 9;  // between kBays + 1 columns on either side
-constexpr double kBay = 5, kLength = kBays * kBay;
+constexpr double kBay = 5, kHallLength = kBays * kBay;
 constexpr double kAisle = 5;    // half the width of the nave: where the columns stand
 constexpr double kWall = 9;     // half the width of the hall
 constexpr double kShaft = 6.2;  // height of a shaft
@@ -88,19 +88,19 @@ void add_vault(MeshBuilder& builder, std::uint32_t around, std::uint32_t along) 
     const auto bulge = [](double t) { return std::clamp(6 * (std::fabs(std::sin(kPi * t)) - 0.35), 0.0, 1.0); };
     const double radius = kAisle + 0.35 * bulge(kBays * v) * bulge(8 * u) - 0.35;
     const double angle = kPi * u;
-    return Vec3d{radius * std::cos(angle), kCrown + 0.85 * radius * std::sin(angle), -kLength * v};
+    return Vec3d{radius * std::cos(angle), kCrown + 0.85 * radius * std::sin(angle), -kHallLength * v};
   });
 }
 
 // Floor, outer walls with a bench, aisle ceilings, the end wall and the steps in front of it.
 void add_walls(MeshBuilder& builder) {
-  builder.add_quad({-kWall, 0, 3}, {kWall, 0, 3}, {kWall, 0, -kLength - 6}, {-kWall, 0, -kLength - 6});
+  builder.add_quad({-kWall, 0, 3}, {kWall, 0, 3}, {kWall, 0, -kHallLength - 6}, {-kWall, 0, -kHallLength - 6});
   for (const double side : {-1.0, 1.0}) {
     const double wall = side * kWall, inner = side * (kAisle + kThick);
-    builder.add_quad({wall, 0, 3}, {wall, 0, -kLength - 6}, {wall, kCrown, -kLength - 6}, {wall, kCrown, 3});
-    builder.add_quad({wall, kCrown, 3}, {wall, kCrown, -kLength - 6}, {inner, kCrown, -kLength}, {inner, kCrown, 0});
-    builder.add_box({std::min(wall, wall - side * 0.8), 0, -kLength}, {std::max(wall, wall - side * 0.8), 0.5, 0});
-    builder.add_box({side * kAisle - kThick - 0.1, kCrown - 0.25, -kLength},
+    builder.add_quad({wall, 0, 3}, {wall, 0, -kHallLength - 6}, {wall, kCrown, -kHallLength - 6}, {wall, kCrown, 3});
+    builder.add_quad({wall, kCrown, 3}, {wall, kCrown, -kHallLength - 6}, {inner, kCrown, -kHallLength}, {inner, kCrown, 0});
+    builder.add_box({std::min(wall, wall - side * 0.8), 0, -kHallLength}, {std::max(wall, wall - side * 0.8), 0.5, 0});
+    builder.add_box({side * kAisle - kThick - 0.1, kCrown - 0.25, -kHallLength},
                     {side * kAisle + kThick + 0.1, kCrown, 0});  // cornice
     for (int bay = 0; bay < kBays; ++bay) {
       const double z = -kBay * (bay + 0.5);
@@ -110,9 +110,9 @@ void add_walls(MeshBuilder& builder) {
       builder.add_box({std::min(wall, wall - side * 0.25), 5.6, z - 1.1}, {std::max(wall, wall - side * 0.25), 5.9, z + 1.1});
     }
   }
-  const double end = -kLength - 6;
+  const double end = -kHallLength - 6;
   builder.add_quad({-kWall, 0, end}, {kWall, 0, end}, {kWall, kCrown + kAisle, end}, {-kWall, kCrown + kAisle, end});
-  for (int i = 0; i < 5; ++i) builder.add_box({-kAisle, 0.2 * i, end}, {kAisle, 0.2 * (i + 1), -kLength + 0.5 * i});
+  for (int i = 0; i < 5; ++i) builder.add_box({-kAisle, 0.2 * i, end}, {kAisle, 0.2 * (i + 1), -kHallLength + 0.5 * i});
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ SceneData make_colonnade(std::uint64_t size, std::uint64_t) {
   }
   const std::uint32_t around = std::max(4u, steps_for(0.20 * left, 4));
   add_vault(builder, around, 2 * around);
-  const Vec3d center{0, 2.6, -kLength - 3};
+  const Vec3d center{0, 2.6, -kHallLength - 3};
   builder.add_sphere(std::max(2u, steps_for(0.05 * left, 8)), [=](Vec3d unit) { return center + unit * 1.6; });
 
   const CameraDescription view{{-2.2f, 1.9f, 1.5f}, {1.2f, 4.3f, -18}, {0, 1, 0}, 58, "default"};

@@ -14,7 +14,7 @@
 namespace accel {
 namespace {
 
-constexpr double kSide = 120;           // metres
+constexpr double kGroundSide = 120;     // metres
 constexpr double kGroundShare = 0.05;   // of all triangles
 constexpr double kPlantsPerRoot = 0.7;  // plants: this times the square root of the triangles
 
@@ -24,7 +24,7 @@ TriangleMesh make_ground(double triangles, std::uint64_t seed) {
   const std::uint32_t n = steps_for(triangles, 2);
   MeshBuilder builder;
   builder.add_grid(n, n, GridShape::open, [=](double u, double v) {
-    const double x = kSide * (u - 0.5), z = kSide * (0.5 - v);
+    const double x = kGroundSide * (u - 0.5), z = kGroundSide * (0.5 - v);
     return Vec3d{x, ground_at(x, z, seed), z};
   });
   return builder.build();
@@ -68,7 +68,7 @@ TriangleMesh make_boulder(double triangles, std::uint64_t seed) {
 Affine plant_at(std::uint64_t seed, std::uint64_t element, bool is_boulder) {
   CounterRng rng(seed, element, 1);
   const auto draw = [&](double lo, double hi) { return lo + (hi - lo) * rng.next_double(); };
-  const double x = draw(-0.5, 0.5) * kSide, z = draw(-0.5, 0.5) * kSide;
+  const double x = draw(-0.5, 0.5) * kGroundSide, z = draw(-0.5, 0.5) * kGroundSide;
   const double size = is_boulder ? draw(0.2, 1.5) : draw(0.6, 1.4), turn = draw(0, 2 * std::numbers::pi);
   const double mirror = rng.next_below(4) == 0 ? -1 : 1;
   const double scale[3] = {mirror * size * draw(0.7, 1.3), size * draw(0.8, 1.5), size * draw(0.7, 1.3)};
@@ -100,8 +100,8 @@ SceneData make_forest(std::uint64_t size, std::uint64_t seed) {
     instances.push_back({mesh, plant_at(seed, i, mesh == 3)});
     left -= static_cast<double>(meshes[mesh].size());
   }
-  const float eye = static_cast<float>(ground_at(0, 0.62 * kSide, seed));
-  const CameraDescription camera{{0, eye + 12, 0.62f * kSide}, {0, 2, 0}, {0, 1, 0}, 50, "default"};
+  const float eye = static_cast<float>(ground_at(0, 0.62 * kGroundSide, seed));
+  const CameraDescription camera{{0, eye + 12, 0.62f * kGroundSide}, {0, 2, 0}, {0, 1, 0}, 50, "default"};
   // The generator makes no instance that could be refused.
   return {{}, {camera}, {}, *InstancedMeshes::make(std::move(meshes), std::move(instances))};
 }

@@ -11,7 +11,7 @@ namespace accel {
 namespace {
 
 constexpr std::uint32_t kSides = 4;
-constexpr double kThickness = 0.004, kLength = 2.4;  // for a ball of radius 1
+constexpr double kThickness = 0.004, kStrandLength = 2.4;  // for a ball of radius 1
 constexpr int kWaves = 4;
 
 // The axis of a strand: a short walk over the sphere, as a sum of waves, that rises and sinks.
@@ -35,7 +35,7 @@ struct Strand {
   }
 
   Vec3d at(double t) const {
-    Vec3d p = start + heading * (kLength * (t - 0.5));
+    Vec3d p = start + heading * (kStrandLength * (t - 0.5));
     for (int i = 0; i < kWaves; ++i) p = p + wave[i] * std::sin(phase[i] + 2 * std::numbers::pi * (i + 1) * t);
     return normalized(p) * (radius + lift * std::sin(phase[0] + 9 * t));
   }

@@ -10,8 +10,8 @@
 namespace accel {
 namespace {
 
-constexpr double kSide = 10'000, kHeight = 1'500;  // metres
-constexpr int kOctaves = 11;                       // down to some metres
+constexpr double kTerrainSide = 10'000, kHeight = 1'500;  // metres
+constexpr int kOctaves = 11;                              // down to some metres
 
 double height_at(double u, double v, std::uint64_t seed) {
   const Vec3d p{3 * u, 0.37, 3 * v};
@@ -26,7 +26,7 @@ SceneData make_terrain(std::uint64_t size, std::uint64_t seed) {
   const std::uint32_t n = steps_for(static_cast<double>(size), 2);
   MeshBuilder builder;
   builder.add_grid(n, n, GridShape::open, [=](double u, double v) {
-    return Vec3d{kSide * (u - 0.5), height_at(u, v, seed), kSide * (0.5 - v)};
+    return Vec3d{kTerrainSide * (u - 0.5), height_at(u, v, seed), kTerrainSide * (0.5 - v)};
   });
   return {builder.build(), {{{1500, 2700, 5200}, {0, 500, 0}, {0, 1, 0}, 45, "default"}}, {}};
 }

@@ -10,5 +10,6 @@ foreach(header IN LISTS headers)
 endforeach()
 
 add_library(accel_header_checks OBJECT ${units})
+set_target_properties(accel_header_checks PROPERTIES UNITY_BUILD OFF)
 accel_compile_settings(accel_header_checks)
 target_link_libraries(accel_header_checks PRIVATE accel::accel)

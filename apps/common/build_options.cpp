@@ -13,10 +13,10 @@ namespace accel::apps {
 
 namespace {
 
-constexpr const char* kDescription =
+constexpr const char* kBuildDescription =
     "Builds an acceleration structure and writes it, with its scene, to a file for accel-trace.";
 
-constexpr const char* kExamples =
+constexpr const char* kBuildExamples =
     "Examples:\n"
     "  accel-build scene.ply.zst -o scene.accel               the recommended structure\n"
     "  accel-build scene.obj -o scene.accel --structure bvh --max-leaf-size 4\n"
@@ -41,20 +41,18 @@ std::string method_of(const std::string& builder) {
   return {};
 }
 
-Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
-
 // The method to build for, which --structure and --for agree on; by default none.
 Outcome<std::string> choose_method(const std::string& structure, const std::string& method) {
   const std::vector<std::string_view> known = builders();
   if (!structure.empty() && std::find(known.begin(), known.end(), structure) == known.end())
-    return usage("--structure: " + unknown_name("structure", structure, known).message);
+    return usage_error("--structure: " + unknown_name("structure", structure, known).message);
   if (method.empty()) return structure.empty() ? std::string() : method_of(structure);
   const Result<std::string> found = find_method(method);
-  if (!found) return usage("--for: " + found.message());
+  if (!found) return usage_error("--for: " + found.message());
   const std::string builder = builder_of(*found);
   if (!structure.empty() && structure != builder)
-    return usage("--structure " + structure + " and --for " + method + " contradict each other: " + *found + " traces '" +
-                 builder + "'");
+    return usage_error("--structure " + structure + " and --for " + method + " contradict each other: " + *found + " traces '" +
+                       builder + "'");
   return *found;
 }
 
@@ -67,7 +65,7 @@ std::string builder_of(const std::string& method) {
 }
 
 Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
-  CLI::App app(kDescription, "accel-build");
+  CLI::App app(kBuildDescription, "accel-build");
   BuildSettings settings;
   std::string structure, method;
   app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf, .glb (or any .zst), or builtin:NAME[:size]")->type_name("");
@@ -92,20 +90,20 @@ Outcome<BuildSettings> parse_build_options(int argc, char** argv) {
   app.add_flag("--list", settings.list, "list methods, structures and built-in scenes, and exit")->group("General");
   add_build_options(app, settings.build);
   add_common_options(app, settings.common);
-  app.footer(kExamples);
+  app.footer(kBuildExamples);
 
   auto answer = parse_arguments(app, argc, argv, settings.common);
   if (!answer) return answer.failure();
   settings.help = *answer;
   settings.build.threads = settings.common.threads;
   if (!settings.help.empty() || settings.list) return settings;
-  if (settings.scene.empty()) return usage("which scene? give a file or builtin:NAME; --list shows the built-in ones");
+  if (settings.scene.empty()) return usage_error("which scene? give a file or builtin:NAME; --list shows the built-in ones");
   if (settings.scene.ends_with(".accel"))
-    return usage("'" + settings.scene + "' is a structure already; give the scene it was built from");
+    return usage_error("'" + settings.scene + "' is a structure already; give the scene it was built from");
   if (settings.output.empty() && !settings.stats && settings.json.empty())
-    return usage("where to? give -o FILE.accel, or --stats to build and only report");
+    return usage_error("where to? give -o FILE.accel, or --stats to build and only report");
   if (!settings.output.empty() && !settings.output.ends_with(".accel"))
-    return usage("--output: '" + settings.output + "' should end in .accel, which is how accel-trace knows it");
+    return usage_error("--output: '" + settings.output + "' should end in .accel, which is how accel-trace knows it");
   auto chosen = choose_method(structure, method);
   if (!chosen) return chosen.failure();
   settings.method = *std::move(chosen);

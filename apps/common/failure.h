@@ -23,6 +23,9 @@ struct Failure {
       : status(error.message == kInterrupted ? interruption_status() : ExitStatus::error), message(error.message) {}
 };
 
+// What is wrong with the command line.
+inline Failure usage_error(std::string message) { return {ExitStatus::usage, std::move(message)}; }
+
 // A value, or the reason to stop. As Result, with an exit status.
 template <class T>
 class [[nodiscard]] Outcome {

@@ -25,12 +25,12 @@ InstructionCounter::InstructionCounter() {
 }
 
 InstructionCounter::~InstructionCounter() {
-  if (file_ >= 0) close(file_);
+  if (file_ >= 0) ::close(file_);
 }
 
 std::optional<std::uint64_t> InstructionCounter::count() const {
   std::uint64_t value = 0;
-  if (file_ < 0 || read(file_, &value, sizeof value) != sizeof value) return std::nullopt;
+  if (file_ < 0 || ::read(file_, &value, sizeof value) != sizeof value) return std::nullopt;
   return value;
 }
 

@@ -17,7 +17,7 @@ struct ClassColor {
   const char* name;
   Vec3 color;
 };
-constexpr ClassColor kColors[] = {
+constexpr ClassColor kClassColors[] = {
     {"not judged", {0.72f, 0.72f, 0.74f}}, {"agree", {0.87f, 0.90f, 0.93f}}, {"right", {0.70f, 0.80f, 0.86f}},
     {"neighbour", {0.00f, 0.45f, 0.70f}},  {"edge", {0.00f, 0.62f, 0.45f}},  {"far", {0.90f, 0.62f, 0.00f}},
     {"false", {0.80f, 0.47f, 0.65f}},      {"miss", {0.84f, 0.37f, 0.00f}},  {"no rays", {0.97f, 0.97f, 0.98f}}};
@@ -69,7 +69,7 @@ std::string color_text(Vec3 color) {
 // The classes that occur in any of the maps.
 std::string classes_html(std::span<const MethodPictures> pictures) {
   std::string items;
-  for (const ClassColor& c : kColors) {
+  for (const ClassColor& c : kClassColors) {
     const bool occurs = std::any_of(pictures.begin(), pictures.end(), [&](const MethodPictures& p) {
       return p.verdicts && std::any_of(p.verdicts->classes.begin(), p.verdicts->classes.end(),
                                        [&](const ClassPicture::Class& k) { return k.name == c.name && k.rays > 0; });
@@ -82,7 +82,7 @@ std::string classes_html(std::span<const MethodPictures> pictures) {
 
 ClassPicture in_page_colors(ClassPicture picture) {
   for (ClassPicture::Class& c : picture.classes)
-    for (const ClassColor& mine : kColors)
+    for (const ClassColor& mine : kClassColors)
       if (c.name == mine.name) c.color = mine.color;
   return picture;
 }

@@ -11,7 +11,8 @@ namespace accel::apps {
 namespace {
 
 // Okabe and Ito's colours for all kinds of eyes, without black and yellow, which do not show on both light and dark paper.
-constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7570b3"};
+constexpr const char* kMethodColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                         "#e69f00", "#56b4e9", "#8c6d31", "#7570b3"};
 constexpr const char* kShapes[] = {"circle", "square", "triangle-up", "diamond", "cross", "triangle-down", "triangle-right"};
 
 Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
@@ -132,8 +133,8 @@ void set_method_scales(Json& spec, const ReportData& data, const Json& marks) {
   }
   Json colors = Json::array(), shapes = Json::array();
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    colors.push_back(kColors[m % std::size(kColors)]);
-    shapes.push_back(kShapes[m / std::size(kColors) % std::size(kShapes)]);
+    colors.push_back(kMethodColors[m % std::size(kMethodColors)]);
+    shapes.push_back(kShapes[m / std::size(kMethodColors) % std::size(kShapes)]);
   }
   Json& encoding = spec["spec"]["layer"][0]["encoding"];
   encoding["color"]["scale"] = {{"domain", methods}, {"range", colors}};
@@ -299,7 +300,7 @@ std::optional<ReportPlot> scaling_plot(const ReportData& data) {
       "the same numbers",
       Json::parse(report_parts::scaling)};
   Json colors = Json::array();
-  for (std::size_t m = 0; m < methods.size(); ++m) colors.push_back(kColors[m % std::size(kColors)]);
+  for (std::size_t m = 0; m < methods.size(); ++m) colors.push_back(kMethodColors[m % std::size(kMethodColors)]);
   plot.spec["spec"]["encoding"]["color"]["scale"] = {{"domain", methods}, {"range", colors}};
   plot.spec["data"]["values"] = std::move(points);
   return plot;

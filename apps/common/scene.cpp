@@ -21,8 +21,6 @@ namespace {
 
 constexpr std::string_view kBuiltin = "builtin:";
 
-Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
-
 // The file's mesh or instances.
 Result<SceneData> read_scene(const AccelFile& file) {
   SceneData data;
@@ -84,7 +82,7 @@ Outcome<Scene> open_scene_file(const std::string& path, const Progress& progress
 
 Outcome<Scene> open_builtin(const std::string& spec, std::uint64_t seed) {
   auto data = make_builtin(spec, seed);
-  if (!data) return usage(data.message());
+  if (!data) return usage_error(data.message());
   Scene scene;
   scene.data = *std::move(data);
   scene.facts = mesh_facts(scene.triangles());
@@ -103,31 +101,31 @@ Outcome<CameraDescription> parse_camera(const std::vector<std::string>& parts) {
   for (std::size_t i = 0; i < 10; ++i) {
     const auto [end, error] = std::from_chars(parts[i].data(), parts[i].data() + parts[i].size(), value[i]);
     if (error != std::errc() || end != parts[i].data() + parts[i].size())
-      return usage("--camera: '" + parts[i] + "' is not a number");
+      return usage_error("--camera: '" + parts[i] + "' is not a number");
   }
   CameraDescription camera;
   camera.eye = {value[0], value[1], value[2]};
   camera.at = {value[3], value[4], value[5]};
   camera.up = {value[6], value[7], value[8]};
   camera.vfov_degrees = value[9];
-  if (const Status valid = validate(camera); !valid) return usage("--camera: " + valid.message());
-  if (const auto usable = Camera::make(camera, 1, 1); !usable) return usage("--camera: " + usable.message());
+  if (const Status valid = validate(camera); !valid) return usage_error("--camera: " + valid.message());
+  if (const auto usable = Camera::make(camera, 1, 1); !usable) return usage_error("--camera: " + usable.message());
   return camera;
 }
 
 // One of the scene's cameras, counted from 1; its name is not one of theirs.
 Outcome<CameraDescription> find_camera(const Scene& scene, const std::string& argument) {
   const std::vector<CameraDescription>& cameras = scene.data.cameras;
-  if (cameras.empty()) return usage("--camera: scene '" + scene.name + "' has no cameras of its own; give ten numbers");
+  if (cameras.empty()) return usage_error("--camera: scene '" + scene.name + "' has no cameras of its own; give ten numbers");
   std::vector<std::string_view> names;
   for (const CameraDescription& camera : cameras) names.push_back(camera.name);
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(argument.data(), argument.data() + argument.size(), number);
   if (error != std::errc() || end != argument.data() + argument.size())
-    return usage("--camera: " + unknown_name("camera", argument, names).message);
+    return usage_error("--camera: " + unknown_name("camera", argument, names).message);
   if (number < 1 || number > cameras.size())
-    return usage("--camera: scene '" + scene.name + "' has " + counted(cameras.size(), "camera") + ", and no number " +
-                 argument);
+    return usage_error("--camera: scene '" + scene.name + "' has " + counted(cameras.size(), "camera") + ", and no number " +
+                       argument);
   return cameras[number - 1];
 }
 
@@ -151,7 +149,7 @@ Outcome<CameraDescription> choose_camera(const Scene& scene, const std::string& 
   const std::vector<std::string> parts = split(argument, ',');
   if (parts.size() == 10) return parse_camera(parts);
   if (parts.size() > 1)
-    return usage("--camera: ten numbers are expected (eye, at, up, vertical angle), not " + std::to_string(parts.size()));
+    return usage_error("--camera: ten numbers are expected (eye, at, up, vertical angle), not " + std::to_string(parts.size()));
   if (!argument.empty()) return find_camera(scene, argument);
   if (!scene.data.cameras.empty()) return scene.data.cameras.front();
   return default_camera(scene.facts.bounds);

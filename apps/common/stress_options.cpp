@@ -14,12 +14,12 @@ namespace accel::apps {
 
 namespace {
 
-constexpr const char* kDescription =
+constexpr const char* kStressDescription =
     "Stress-tests the numerical stability of methods: rays and scenes that hurt, laws that must hold,\n"
     "leaks through closed meshes; every case with what is expected of it, beside Embree on the same rays.\n"
     "(A scene in a file named stress is ./stress.)";
 
-constexpr const char* kExamples =
+constexpr const char* kStressExamples =
     "Examples:\n"
     "  accel-trace stress                                 every case and method, some thousand rays each\n"
     "  accel-trace stress --list                          what is traced, and what is expected\n"
@@ -33,13 +33,11 @@ constexpr const char* kExamples =
 constexpr double kMostRays = 1e13;
 constexpr std::uint64_t kDefaultRays = 20'000;
 
-struct RawOptions {
+struct RawStressOptions {
   std::string methods = "all", cases = "all", rays, witness = "embree";
 };
 
-Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
-
-void add_options(CLI::App& app, StressSettings& settings, RawOptions& raw) {
+void add_options(CLI::App& app, StressSettings& settings, RawStressOptions& raw) {
   const auto add = [&](const char* flag, auto& value, const char* what, const char* type) {
     return app.add_option(flag, value, what)->type_name(type);
   };
@@ -68,7 +66,7 @@ Outcome<std::uint64_t> parse_rays(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rays);
   const bool whole =
       error == std::errc() && end == text.data() + text.size() && rays >= 1 && rays <= kMostRays && rays == std::floor(rays);
-  if (!whole) return usage("--rays: '" + text + "' should be a whole number from 1 to 1e13");
+  if (!whole) return usage_error("--rays: '" + text + "' should be a whole number from 1 to 1e13");
   return static_cast<std::uint64_t>(rays);
 }
 
@@ -85,7 +83,7 @@ Finished parse_methods(const std::string& text, std::vector<std::string>& names)
       continue;
     }
     const Result<std::string> found = find_method(name);
-    if (!found) return usage("--method: " + found.message());
+    if (!found) return usage_error("--method: " + found.message());
     add_once(names, *found);
   }
   return Done{};
@@ -98,13 +96,13 @@ Finished parse_cases(const std::string& text, std::vector<const validation::Stre
       continue;
     }
     const auto found = validation::find_cases(name);
-    if (!found) return usage("--case: " + found.message());
+    if (!found) return usage_error("--case: " + found.message());
     for (const validation::StressCase* one : *found) add_once(cases, one);
   }
   return Done{};
 }
 
-Finished interpret(const RawOptions& raw, StressSettings& settings) {
+Finished interpret(const RawStressOptions& raw, StressSettings& settings) {
   if (auto done = parse_methods(raw.methods, settings.methods); !done) return done;
   if (auto done = parse_cases(raw.cases, settings.cases); !done) return done;
   settings.rays = settings.hours > 0 ? 0 : kDefaultRays;
@@ -114,7 +112,7 @@ Finished interpret(const RawOptions& raw, StressSettings& settings) {
     settings.rays = *rays;
   }
   if (raw.witness != "embree" && raw.witness != "none")
-    return usage("--witness: '" + raw.witness + "' should be embree or none");
+    return usage_error("--witness: '" + raw.witness + "' should be embree or none");
   settings.embree = raw.witness == "embree" && validation::EmbreeWitness::available();
   return check_outputs({{"--resume", settings.resume}, {"--json", settings.json}}, {});
 }
@@ -122,12 +120,12 @@ Finished interpret(const RawOptions& raw, StressSettings& settings) {
 }  // namespace
 
 Outcome<StressSettings> parse_stress_options(int argc, char** argv) {
-  CLI::App app(kDescription, "accel-trace stress");
+  CLI::App app(kStressDescription, "accel-trace stress");
   StressSettings settings;
-  RawOptions raw;
+  RawStressOptions raw;
   add_options(app, settings, raw);
   add_common_options(app, settings.common);
-  app.footer(kExamples);
+  app.footer(kStressExamples);
 
   auto answer = parse_arguments(app, argc, argv, settings.common);
   if (!answer) return answer.failure();

@@ -23,11 +23,11 @@ namespace accel::apps {
 
 namespace {
 
-constexpr const char* kDescription =
+constexpr const char* kTraceDescription =
     "Builds ray-tracing acceleration structures, traces rays through them and checks every hit.\n"
     "Without a scene: builtin:stadium with the best method, checked.";
 
-constexpr const char* kExamples =
+constexpr const char* kTraceExamples =
     "Examples:\n"
     "  accel-trace                                        the demo\n"
     "  accel-trace scene.ply --method all --rays primary,shadow,diffuse\n"
@@ -45,7 +45,7 @@ constexpr const char* kExamples =
     "5 a backend is not built in or has no device, 130 interrupted (143 by SIGTERM).";
 
 // The command line as typed, before names are looked up.
-struct RawOptions {
+struct RawTraceOptions {
   std::string methods = "best", rays, query, check = "embree", embree, sort, scaling, profile, schedule, device = "cpu",
               heatmap_of = "steps", pixel_order = order_name(PixelOrder::rows);
 };
@@ -60,7 +60,7 @@ constexpr std::array<ScheduleName, 5> kSchedules = {{{"while-while", SimtSchedul
                                                      {"persistent", SimtSchedule::persistent_while_while},
                                                      {"if-while", SimtSchedule::if_while}}};
 
-void add_what(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+void add_what(CLI::App& app, TraceSettings& settings, RawTraceOptions& raw) {
   app.add_option("SCENE", settings.scene, ".ply, .obj, .gltf, .glb (or any .zst), .accel, or builtin:NAME[:size]")
       ->type_name("");
   app.add_option("-m,--method", raw.methods, "methods (builder/traverser), best, or all")
@@ -104,7 +104,7 @@ void add_packet_options(CLI::App& app, PacketOptions& packets) {
       ->group("Measuring and checking");
 }
 
-void add_rays(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+void add_rays(CLI::App& app, TraceSettings& settings, RawTraceOptions& raw) {
   const auto add = [&](const char* flag, auto& value, const char* what, CLI::Validator valid) {
     app.add_option(flag, value, what)->check(std::move(valid))->capture_default_str()->type_name("N")->group("Rays");
   };
@@ -127,7 +127,7 @@ void add_rays(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
       ->group("Rays");
 }
 
-void add_measuring(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+void add_measuring(CLI::App& app, TraceSettings& settings, RawTraceOptions& raw) {
   app.add_option("--repeat", settings.repeat, "timed runs of each method")
       ->check(whole_number(1, 100000))
       ->capture_default_str()
@@ -196,7 +196,7 @@ std::vector<std::string> ray_counters() {
   return names;
 }
 
-void add_outputs(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+void add_outputs(CLI::App& app, TraceSettings& settings, RawTraceOptions& raw) {
   const auto add = [&](const char* flag, std::string& path, const char* what) {
     app.add_option(flag, path, what)->type_name("FILE")->group("Output");
   };
@@ -219,11 +219,9 @@ void add_outputs(CLI::App& app, TraceSettings& settings, RawOptions& raw) {
   add("--repro", settings.repro, "how names of files that reproduce wrong hits begin [accel-repro]");
 }
 
-Failure usage(std::string message) { return {ExitStatus::usage, std::move(message)}; }
-
 Failure unknown(std::string_view flag, std::string_view what, std::string_view name,
                 const std::vector<std::string_view>& known) {
-  return usage(std::string(flag) + ": " + unknown_name(what, name, known).message);
+  return usage_error(std::string(flag) + ": " + unknown_name(what, name, known).message);
 }
 
 // Method names, "best" resolved and repetitions dropped; "all" stands for itself.
@@ -232,7 +230,7 @@ Outcome<std::vector<std::string>> parse_methods(const std::string& text) {
   for (const std::string& name : split(text, ',')) {
     if (name == "all") return std::vector<std::string>{"all"};
     const Result<std::string> found = find_method(name);
-    if (!found) return usage("--method: " + found.message());
+    if (!found) return usage_error("--method: " + found.message());
     if (name == "best")
       result.push_back(name);
     else if (std::find(result.begin(), result.end(), *found) == result.end())
@@ -246,7 +244,7 @@ bool is_npy(const std::string& name) { return name.ends_with(".npy"); }
 Outcome<std::vector<std::string>> parse_ray_kinds(const std::string& text) {
   std::vector<std::string> result;
   for (const std::string& name : split(text, ',')) {
-    if (const auto kind = parse_ray_kind(name); !is_npy(name) && !kind) return usage("--rays: " + kind.message());
+    if (const auto kind = parse_ray_kind(name); !is_npy(name) && !kind) return usage_error("--rays: " + kind.message());
     if (std::find(result.begin(), result.end(), name) == result.end()) result.push_back(name);
   }
   return result;
@@ -300,9 +298,9 @@ Finished parse_schedules(const std::string& text, TraceSettings& settings) {
     if (!is_simt && !is_multipass) return unknown("--schedule", "schedule", name, known);
     const std::string subject = "--schedule: '" + name + "' is about " + (is_simt ? "warps" : "passes");
     if (!(is_simt ? settings.profile_simt : settings.profile_multipass))
-      return usage(subject + "; add --profile " + (is_simt ? "simt" : "multipass"));
+      return usage_error(subject + "; add --profile " + (is_simt ? "simt" : "multipass"));
     if (std::exchange(is_simt ? has_simt : has_multipass, true))
-      return usage(subject + ", as a name before it; give one of them");
+      return usage_error(subject + ", as a name before it; give one of them");
   }
   return Done{};
 }
@@ -321,7 +319,7 @@ Outcome<PixelOrder> parse_pixel_order(const std::string& name) {
 }
 
 // Looks names up and turns the raw options into settings.
-Finished interpret(const RawOptions& raw, TraceSettings& settings) {
+Finished interpret(const RawTraceOptions& raw, TraceSettings& settings) {
   auto methods = parse_methods(raw.methods);
   if (!methods) return methods.failure();
   settings.methods = *std::move(methods);
@@ -355,7 +353,7 @@ Finished interpret(const RawOptions& raw, TraceSettings& settings) {
 
   if (!raw.sort.empty()) {
     const auto sort = parse_ray_sort(raw.sort);
-    if (!sort) return usage("--sort: " + sort.message());
+    if (!sort) return usage_error("--sort: " + sort.message());
     settings.sort = *sort;
   }
   settings.scaling = names_of(raw.scaling);
@@ -379,9 +377,9 @@ bool is_counted(const std::string& rays) { return !is_npy(rays) && !has_pixels(r
 // Options that contradict one another, and outputs that could not be written, found before any work is done.
 Finished check_consistency(const TraceSettings& settings) {
   if (std::uint64_t{settings.width} * settings.height * settings.spp > kMaxRays)
-    return usage("--width, --height, --spp: " + std::to_string(settings.width) + " x " + std::to_string(settings.height) +
-                 " x " + std::to_string(settings.spp) + " rays are more than " + with_commas(kMaxRays) +
-                 "; make one of them smaller");
+    return usage_error("--width, --height, --spp: " + std::to_string(settings.width) + " x " + std::to_string(settings.height) +
+                       " x " + std::to_string(settings.spp) + " rays are more than " + with_commas(kMaxRays) +
+                       "; make one of them smaller");
   for (const auto& [flag, path] :
        {std::pair{"--image", &settings.image}, {"--heatmap", &settings.heatmap}, {"--diff", &settings.diff}}) {
     if (path->empty()) continue;
@@ -390,26 +388,27 @@ Finished check_consistency(const TraceSettings& settings) {
   const std::string& first = settings.ray_kinds.front();
   for (const auto& [flag, path] : {std::pair{"--heatmap", &settings.heatmap}, {"--diff", &settings.diff}})
     if (!path->empty() && !has_pixels(first))
-      return usage(std::string(flag) + ": rays of kind '" + first +
-                   "' belong to no pixels; put a kind that does first in --rays");
-  if (!settings.diff.empty() && settings.check == Check::none) return usage("--diff: needs a witness; leave out --check none");
+      return usage_error(std::string(flag) + ": rays of kind '" + first +
+                         "' belong to no pixels; put a kind that does first in --rays");
+  if (!settings.diff.empty() && settings.check == Check::none)
+    return usage_error("--diff: needs a witness; leave out --check none");
   for (const auto& [flag, path] : {std::pair{"--rays-out", &settings.rays_out}, {"--hits-out", &settings.hits_out}})
-    if (!path->empty() && !is_npy(*path)) return usage(std::string(flag) + ": '" + *path + "' should end in .npy");
+    if (!path->empty() && !is_npy(*path)) return usage_error(std::string(flag) + ": '" + *path + "' should end in .npy");
   if (!settings.scaling.empty() && !settings.scene.starts_with("builtin:"))
-    return usage("--scaling: '" + settings.scene + "' has one size; only built-in scenes have others");
+    return usage_error("--scaling: '" + settings.scene + "' has one size; only built-in scenes have others");
   if (!settings.scaling.empty() && is_npy(settings.ray_kinds.front()))
-    return usage("--scaling: rays of a file fit one size of a scene; name a kind of rays");
+    return usage_error("--scaling: rays of a file fit one size of a scene; name a kind of rays");
   for (const std::string& size : settings.scaling)
     if (const Status good = check_builtin(scene_of_size(settings.scene, size)); !good)
-      return usage("--scaling: " + good.message());
-  if (settings.max_error && !settings.sweep) return usage("--max-error: is about sweeps; add --sweep");
-  if (settings.sweep && settings.check == Check::none) return usage("--sweep: measures errors; leave out --check none");
+      return usage_error("--scaling: " + good.message());
+  if (settings.max_error && !settings.sweep) return usage_error("--max-error: is about sweeps; add --sweep");
+  if (settings.sweep && settings.check == Check::none) return usage_error("--sweep: measures errors; leave out --check none");
   if (settings.sweep && settings.device != "cpu")
-    return usage("--sweep: is for the CPU; leave out --device " + settings.device);
-  if (settings.sweep && settings.sort) return usage("--sweep: and --sort are measured one at a time");
+    return usage_error("--sweep: is for the CPU; leave out --device " + settings.device);
+  if (settings.sweep && settings.sort) return usage_error("--sweep: and --sort are measured one at a time");
   if (settings.sweep && (settings.profile_simt || settings.profile_multipass))
-    return usage("--sweep: and --profile are measured one at a time");
-  if (settings.hits > 0 && settings.hits_out.empty()) return usage("--hits: needs --hits-out, a file for them");
+    return usage_error("--sweep: and --profile are measured one at a time");
+  if (settings.hits > 0 && settings.hits_out.empty()) return usage_error("--hits: needs --hits-out, a file for them");
   InputFiles inputs{settings.scene};
   std::copy_if(settings.ray_kinds.begin(), settings.ray_kinds.end(), std::back_inserter(inputs.others), is_npy);
   for (const std::string& path : inputs.others)
@@ -451,7 +450,7 @@ Finished refuse_idle_options(const CLI::App& app, const TraceSettings& settings)
       {"--pixel-order", any_rays(has_pixels), "is about rays that have pixels, which none of --rays do"},
       {"--spp", any_rays(has_pixels) || !settings.image.empty(), "is about rays that have pixels, which none of --rays do"}};
   for (const auto& [flag, has_effect, message] : options)
-    if (app.count(flag) > 0 && !has_effect) return usage(std::string(flag) + ": " + message);
+    if (app.count(flag) > 0 && !has_effect) return usage_error(std::string(flag) + ": " + message);
   return Done{};
 }
 
@@ -460,7 +459,7 @@ Finished refuse_build_options(const CLI::App& app, const TraceSettings& settings
   if (!settings.scene.ends_with(".accel")) return Done{};
   for (const CLI::Option* option : app.get_options())
     if (option->get_group() == "Build" && option->count() > 0)
-      return usage(option->get_name() + ": '" + settings.scene + "' is built already; give this option to accel-build");
+      return usage_error(option->get_name() + ": '" + settings.scene + "' is built already; give this option to accel-build");
   return Done{};
 }
 
@@ -481,7 +480,7 @@ void keep_hit_options(const CLI::App& app, TraceSettings& settings) {
 }
 
 // A sweep measures a hundred configurations: fewer rays and runs, unless the user says so.
-void apply_sweep_defaults(const CLI::App& app, TraceSettings& settings, RawOptions& raw) {
+void apply_sweep_defaults(const CLI::App& app, TraceSettings& settings, RawTraceOptions& raw) {
   const auto unless_given = [&](const char* flag, auto& value, auto standard) {
     if (app.count(flag) == 0) value = standard;
   };
@@ -497,16 +496,16 @@ void apply_sweep_defaults(const CLI::App& app, TraceSettings& settings, RawOptio
 bool makes_packets(std::string_view method) { return method.ends_with("/stream") || method.ends_with("/breadth-first"); }
 
 Outcome<TraceSettings> parse_trace_options(int argc, char** argv) {
-  CLI::App app(kDescription, "accel-trace");
+  CLI::App app(kTraceDescription, "accel-trace");
   TraceSettings settings;
-  RawOptions raw;
+  RawTraceOptions raw;
   add_what(app, settings, raw);
   add_rays(app, settings, raw);
   add_measuring(app, settings, raw);
   add_outputs(app, settings, raw);
   add_build_options(app, settings.build);
   add_common_options(app, settings.common);
-  app.footer(kExamples);
+  app.footer(kTraceExamples);
 
   auto answer = parse_arguments(app, argc, argv, settings.common);
   if (!answer) return answer.failure();

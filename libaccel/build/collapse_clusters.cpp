@@ -13,7 +13,7 @@ namespace accel {
 namespace {
 
 // The clusters that become the children of a node, in the order of the tree.
-struct Family {
+struct ClusterFamily {
   std::uint32_t child[kBvh8Arity];
   std::uint32_t count;
 };
@@ -85,7 +85,7 @@ class Collapse {
       std::size_t sum = 0;
       for (std::size_t i = first; i < last; ++i) {
         first_child_[i] = static_cast<std::uint32_t>(sum);
-        const Family& family = families_[i] = family_of(parents_[i]);
+        const ClusterFamily& family = families_[i] = family_of(parents_[i]);
         for (std::uint32_t c = 0; c < family.count; ++c) sum += is_leaf_cluster(family.child[c]) ? 0 : 1;
       }
       before[chunk] = sum;
@@ -96,7 +96,7 @@ class Collapse {
     for_chunks(begin, end, [&](std::size_t chunk, std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         std::size_t to = first_child_[i] += static_cast<std::uint32_t>(before[chunk]);
-        const Family& family = families_[i];
+        const ClusterFamily& family = families_[i];
         for (std::uint32_t c = 0; c < family.count; ++c)
           if (!is_leaf_cluster(family.child[c])) parents_[to++] = family.child[c];
       }
@@ -104,8 +104,8 @@ class Collapse {
     return end;
   }
 
-  Family family_of(std::uint32_t parent) const {
-    Family family;
+  ClusterFamily family_of(std::uint32_t parent) const {
+    ClusterFamily family;
     family.count = 0;
     int roots = static_cast<int>(kBvh8Arity);
     const int left = forests(parent).left(roots);
@@ -113,7 +113,7 @@ class Collapse {
     return family;
   }
   // At most eight roots deep.
-  void gather(std::uint32_t cluster, int roots, Family& family) const {
+  void gather(std::uint32_t cluster, int roots, ClusterFamily& family) const {
     int left = 0;
     if (!is_leaf_cluster(cluster)) left = forests(cluster).left(roots);
     if (is_leaf_cluster(cluster) || roots == 1) {
@@ -124,7 +124,7 @@ class Collapse {
   }
 
   void make_node(std::size_t i, Bvh8Node& node) const {
-    const Family& family = families_[i];
+    const ClusterFamily& family = families_[i];
     NodeRef next = first_child_[i];
     WideChild children[kBvh8Arity];
     for (std::uint32_t c = 0; c < family.count; ++c) {
@@ -141,7 +141,7 @@ class Collapse {
   Float4 scale_;
   Buffer<WideForests> forests_;                  // by inner cluster
   Buffer<std::uint32_t> parents_, first_child_;  // by wide node; there is room for as many as there are inner clusters
-  Buffer<Family> families_;                      // likewise
+  Buffer<ClusterFamily> families_;               // likewise
   std::size_t count_ = 0;                        // of wide nodes
   std::uint32_t depth_ = 0;
 };
@@ -153,7 +153,7 @@ std::optional<WideNodes> collapse_clusters(const ClusterTree& tree, const BuildO
 }
 
 std::uint64_t collapse_clusters_bytes(const ClusterTree& tree, const WideNodes& wide) {
-  constexpr std::size_t kByCluster = sizeof(WideForests) + 2 * sizeof(std::uint32_t) + sizeof(Family);
+  constexpr std::size_t kByCluster = sizeof(WideForests) + 2 * sizeof(std::uint32_t) + sizeof(ClusterFamily);
   return (tree.leaves - 1) * kByCluster + wide.nodes.size_bytes();
 }
 

@@ -11,15 +11,15 @@ namespace accel {
 namespace {
 
 // Where a treelet's nodes, references and leaves go.
-struct Placement {
+struct TreeletPlacement {
   const KdTreelet* treelet;
   std::uint64_t first_node, first_reference, first_leaf;
   std::uint64_t root = 0;  // where its root goes: the pair of an upper node
 };
 
 // The final places of all subtrees, in depth-first order.
-struct Layout {
-  std::vector<Placement> placements;
+struct TreeletLayout {
+  std::vector<TreeletPlacement> placements;
   std::uint64_t nodes = 2, references = 0, leaves = 0;  // the root has a pair of its own
 
   void visit(const KdSubtree& tree) {
@@ -34,7 +34,7 @@ struct Layout {
 };
 
 // A node of a treelet as the tree has it; `pairs` are the new places of the treelet's pairs.
-KdNode placed(const KdNode& node, const Placement& place, const std::vector<std::uint32_t>& pairs) {
+KdNode placed(const KdNode& node, const TreeletPlacement& place, const std::vector<std::uint32_t>& pairs) {
   if (!node.is_leaf())
     return KdNode::inner(node.axis(), node.plane(),
                          static_cast<std::uint32_t>(2 * pairs[pair_of(node.lower_child())] + place.first_node));
@@ -43,11 +43,11 @@ KdNode placed(const KdNode& node, const Placement& place, const std::vector<std:
                       static_cast<std::uint32_t>(node.ordinal() + place.first_leaf));
 }
 
-// Writes the upper nodes, in the order in which Layout counted them.
-void emit_upper(const KdSubtree& tree, std::uint64_t index, Placement*& next_place, std::uint64_t& next_node,
+// Writes the upper nodes, in the order in which TreeletLayout counted them.
+void emit_upper(const KdSubtree& tree, std::uint64_t index, TreeletPlacement*& next_place, std::uint64_t& next_node,
                 Buffer<KdNode>& nodes) {
   if (tree.is_treelet()) {
-    Placement& place = *next_place++;
+    TreeletPlacement& place = *next_place++;
     next_node += place.treelet->nodes.size();
     place.root = index;
     return;
@@ -58,7 +58,7 @@ void emit_upper(const KdSubtree& tree, std::uint64_t index, Placement*& next_pla
   for (int c = 0; c < 2; ++c) emit_upper(*tree.child[c], pair + c, next_place, next_node, nodes);
 }
 
-void emit_treelet(const Placement& place, KdTree& tree) {
+void emit_treelet(const TreeletPlacement& place, KdTree& tree) {
   const KdTreelet& treelet = *place.treelet;
   const std::vector<std::uint32_t> pairs = clustered_pairs(treelet.nodes, treelet.root, treelet.cell, place.first_node / 2);
   KdNode* const nodes = tree.nodes.data() + place.first_node;
@@ -101,7 +101,7 @@ void sort_leaves(std::span<std::uint32_t> references) {
 
 Result<KdTree> emit_kdtree(BuildContext& context, const KdSubtree& subtree) {
   context.begin_phase("emit");
-  Layout layout;
+  TreeletLayout layout;
   layout.visit(subtree);
   if (layout.nodes > kMaxKdNodes || layout.references >= kEmptyLeaf)
     return Error{"the kd-tree needs " + std::to_string(layout.nodes) + " nodes and " + std::to_string(layout.references) +
@@ -114,7 +114,7 @@ Result<KdTree> emit_kdtree(BuildContext& context, const KdSubtree& subtree) {
   context.memory.add(tree.size_bytes());
   context.report.references = layout.references;
 
-  Placement* next_place = layout.placements.data();
+  TreeletPlacement* next_place = layout.placements.data();
   std::uint64_t next_node = 2;
   tree.nodes[1] = KdNode::leaf(kEmptyLeaf, 0);
   emit_upper(subtree, 0, next_place, next_node, tree.nodes);
@@ -122,7 +122,7 @@ Result<KdTree> emit_kdtree(BuildContext& context, const KdSubtree& subtree) {
 
   const std::vector<std::uint32_t> prim_ids = number_triangles(context, tree.leaves.references.span());
   tbb::parallel_for(std::size_t{0}, layout.placements.size(), [&](std::size_t i) {
-    const Placement& place = layout.placements[i];
+    const TreeletPlacement& place = layout.placements[i];
     sort_leaves(tree.leaves.references.span().subspan(place.first_reference, place.treelet->references.size()));
   });
   tree.leaves.triangles = Buffer<PackedTriangle>(prim_ids.size());

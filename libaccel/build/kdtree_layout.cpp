@@ -20,9 +20,9 @@ struct Waiting {
 };
 bool is_smaller(const Waiting& a, const Waiting& b) { return a.area < b.area; }
 
-class Layout {
+class PairLayout {
  public:
-  Layout(const std::vector<KdNode>& nodes, std::uint64_t first_pair)
+  PairLayout(const std::vector<KdNode>& nodes, std::uint64_t first_pair)
       : nodes_(nodes), first_pair_(first_pair), places_(nodes.size() / 2) {}
 
   std::vector<std::uint32_t> run(KdNode root, const Aabb& cell) {
@@ -66,7 +66,7 @@ class Layout {
 
 std::vector<std::uint32_t> clustered_pairs(const std::vector<KdNode>& nodes, KdNode root, const Aabb& cell,
                                            std::uint64_t first_pair) {
-  return Layout(nodes, first_pair).run(root, cell);
+  return PairLayout(nodes, first_pair).run(root, cell);
 }
 
 }  // namespace accel

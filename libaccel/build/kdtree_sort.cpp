@@ -10,7 +10,7 @@ namespace {
 // Below this, counting digits costs more than comparing.
 constexpr std::uint32_t kRadixSize = 2048;
 
-constexpr int kDigitBits = 11, kDigits = 3;
+constexpr int kDigitBits = 11, kEventDigits = 3;
 constexpr std::uint32_t kDigitMask = (1u << kDigitBits) - 1;
 
 // Position and kind as an integer of 33 bits in the order of events.
@@ -27,12 +27,12 @@ std::uint32_t digit_of(const KdEvent& event, int digit) {
 void radix_sort(KdEvent* events, std::uint32_t count, ScratchStack& scratch) {
   const ScratchStack::Mark mark = scratch.mark();
   using Counts = std::uint32_t[kDigitMask + 1];
-  Counts* const next = scratch.allocate<Counts>(kDigits);  // where the next event with a digit goes
-  for (int digit = 0; digit < kDigits; ++digit) std::fill(std::begin(next[digit]), std::end(next[digit]), 0u);
+  Counts* const next = scratch.allocate<Counts>(kEventDigits);  // where the next event with a digit goes
+  for (int digit = 0; digit < kEventDigits; ++digit) std::fill(std::begin(next[digit]), std::end(next[digit]), 0u);
   for (std::uint32_t i = 0; i < count; ++i)
-    for (int digit = 0; digit < kDigits; ++digit) ++next[digit][digit_of(events[i], digit)];
+    for (int digit = 0; digit < kEventDigits; ++digit) ++next[digit][digit_of(events[i], digit)];
   KdEvent *from = events, *to = scratch.allocate<KdEvent>(count);
-  for (int digit = 0; digit < kDigits; ++digit) {
+  for (int digit = 0; digit < kEventDigits; ++digit) {
     std::uint32_t sum = 0;
     for (std::uint32_t& n : next[digit]) sum += std::exchange(n, sum);
     for (std::uint32_t i = 0; i < count; ++i) to[next[digit][digit_of(from[i], digit)]++] = from[i];

@@ -101,9 +101,9 @@ bool has_unseparable_keys(const Buckets& buckets, const NodeHashView& hash) {
 
 // Fills the slots, one size of buckets after the other.
 template <class Key>
-class Placement {
+class SlotPlacement {
  public:
-  Placement(const Buckets& buckets, const NodeHashView& hash, PerfectHash& out)
+  SlotPlacement(const Buckets& buckets, const NodeHashView& hash, PerfectHash& out)
       : buckets_(buckets), hash_(hash), out_(out), claims_(new std::atomic<std::uint32_t>[hash.slot_count]) {
     for_indices(hash.slot_count, [&](std::size_t s) { claims_[s].store(kEmpty, std::memory_order_relaxed); });
   }
@@ -219,7 +219,7 @@ bool place(const Buckets& buckets, const NodeHashView& hash, PerfectHash& out) {
   out.direct = 0;
   std::fill(out.displacements.begin(), out.displacements.end(), 0u);
   std::fill(out.slots.begin(), out.slots.end(), kEmpty);
-  return Placement<Key>(buckets, hash, out).run();
+  return SlotPlacement<Key>(buckets, hash, out).run();
 }
 
 // Keys that need a slot.

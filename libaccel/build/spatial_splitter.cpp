@@ -10,11 +10,11 @@ namespace accel {
 namespace {
 
 // Where a reference goes.
-enum Side : std::uint32_t { kLeft = 0, kRight = 1, kBoth = 2 };
+enum SplitSide : std::uint32_t { kLeft = 0, kRight = 1, kBoth = 2 };
 
 // A reference that the plane cuts goes to both sides, or, where that is cheaper, uncut to one of them: section 4.4, "reference
 // unsplitting".
-Side choose_side(const Box4& whole, const TriangleParts& parts, const SpatialSplit& split, Float4 scale) {
+SplitSide choose_side(const Box4& whole, const TriangleParts& parts, const SpatialSplit& split, Float4 scale) {
   if (parts.left.empty()) return kRight;
   if (parts.right.empty()) return kLeft;
   const auto area_with = [&](int side) {

@@ -16,19 +16,19 @@ namespace {
 constexpr int kCutLevels = 3;
 
 // A subtree of the binary tree that becomes a child.
-struct Child {
+struct SubtreeChild {
   NodeRef ref;
   Aabb box;
   bool as_leaf;
 };
 
-struct Family {
-  Child child[kBvh8Arity];
+struct SubtreeFamily {
+  SubtreeChild child[kBvh8Arity];
   std::uint32_t count = 0;
 };
 
 // Of a leaf's triangles, those that make a block.
-struct BlockRun {
+struct TriangleRun {
   std::size_t first;
   std::uint32_t count;
 };
@@ -39,7 +39,7 @@ struct Piece {
   Bvh8Node root;
   std::vector<Bvh8Node> nodes;       // below the root; none where it is cut
   std::vector<std::uint32_t> quads;  // where the leaves' triangles are in the binary tree
-  std::vector<BlockRun> runs;        // of quads
+  std::vector<TriangleRun> runs;     // of quads
   std::vector<Piece> cut;            // of the inner children
 
   std::uint32_t depth = 0;                                   // inner nodes on the longest path, the root included
@@ -120,10 +120,10 @@ class PieceMaker {
 
   // A node, with its leaves; the inner children go behind the piece's nodes, where the caller makes room.
   Bvh8Node make_node(Piece& piece, NodeRef ref, std::uint32_t levels, std::vector<Pending>& inner) const {
-    const Family family = family_of(ref);
+    const SubtreeFamily family = family_of(ref);
     WideChild children[kBvh8Arity];
     for (std::uint32_t c = 0; c < family.count; ++c) {
-      const Child& child = family.child[c];
+      const SubtreeChild& child = family.child[c];
       const auto next = static_cast<std::uint32_t>(piece.nodes.size() + inner.size());
       children[c] = {child.as_leaf ? make_leaf(piece, child.ref) : next, Box4::of(child.box)};
       if (!child.as_leaf) inner.push_back({child.ref, next, levels + 1});
@@ -133,8 +133,8 @@ class PieceMaker {
     return node;
   }
 
-  Family family_of(NodeRef ref) const {
-    Family family;
+  SubtreeFamily family_of(NodeRef ref) const {
+    SubtreeFamily family;
     int roots = static_cast<int>(kBvh8Arity);
     const int left = forests_[ref].left(roots);
     const Bvh2Node& node = bvh_.nodes[ref];
@@ -144,7 +144,7 @@ class PieceMaker {
   }
 
   // At most eight roots deep.
-  void gather(NodeRef ref, const Aabb& box, int roots, Family& family) const {
+  void gather(NodeRef ref, const Aabb& box, int roots, SubtreeFamily& family) const {
     const int left = is_leaf(ref) ? 0 : forests_[ref].left(roots);
     if (is_leaf(ref) || roots == 1) {
       family.child[family.count++] = {ref, box, is_leaf_of_wide(ref)};
@@ -206,7 +206,7 @@ class PieceWriter {
   }
 
   void write_blocks(const Piece& piece, std::size_t first) const {
-    for (const BlockRun& run : piece.runs) {
+    for (const TriangleRun& run : piece.runs) {
       TriangleBlock& block = wide_.blocks[first++];
       for (std::uint32_t lane = 0; lane < kBlockLanes; ++lane)
         if (lane < run.count)
@@ -252,7 +252,7 @@ Result<Bvh8> lay_out_wide(const Bvh2& bvh, const Buffer<WideForests>& forests) {
 }
 
 std::uint64_t wide_layout_peak_bytes(const Bvh8& wide) {
-  const std::uint64_t runs = wide.references * sizeof(std::uint32_t) + wide.blocks.size() * sizeof(BlockRun);
+  const std::uint64_t runs = wide.references * sizeof(std::uint32_t) + wide.blocks.size() * sizeof(TriangleRun);
   return wide.size_bytes() + wide.nodes.size_bytes() + runs;
 }
 

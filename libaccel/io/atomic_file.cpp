@@ -8,20 +8,16 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <string>
 #include <utility>
 
 #include "libaccel/core/out_of_memory.h"
+#include "libaccel/io/system_error.h"
 
 namespace accel {
 namespace {
 
 namespace fs = std::filesystem;
-
-Error system_error(const fs::path& path, const char* what, int error_number) {
-  return Error{path.string() + ": " + what + ": " + std::strerror(error_number)};
-}
 
 // A name beside `target`: hidden, unlikely to be taken, and with the target's extension, by which image
 // libraries choose the format.

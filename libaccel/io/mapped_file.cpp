@@ -6,16 +6,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 
 #include "libaccel/core/out_of_memory.h"
+#include "libaccel/io/system_error.h"
 
 namespace accel {
 namespace {
-
-Error system_error(const std::filesystem::path& path, const char* what, int error_number) {
-  return Error{path.string() + ": " + what + ": " + std::strerror(error_number)};
-}
 
 // Closes a descriptor when it leaves the scope; a mapping outlives it.
 struct Descriptor {

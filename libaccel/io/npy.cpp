@@ -18,7 +18,7 @@
 namespace accel {
 namespace {
 
-constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::string_view kNpyMagic = "\x93NUMPY";
 constexpr std::string_view kHitFields = "[('t', '<f4'), ('u', '<f4'), ('v', '<f4'), ('prim_id', '<u4')]";
 static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
 
@@ -118,7 +118,7 @@ class DictParser {
 
 Result<NpyHeader> parse_header(std::span<const std::byte> bytes, const std::string& name) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (!text.starts_with(kMagic) || text.size() < 12) return Error{name + ": is not a .npy file"};
+  if (!text.starts_with(kNpyMagic) || text.size() < 12) return Error{name + ": is not a .npy file"};
 
   // Version 1.0 has 16 bits for the header's length, 2.0 and 3.0 have 32.
   const int version = static_cast<unsigned char>(text[6]);
@@ -182,7 +182,7 @@ Status write_npy(const std::filesystem::path& path, std::string_view descr, cons
   constexpr std::size_t kPrefix = 10;
   dict.append(63 - (kPrefix + dict.size()) % 64, ' ');
   dict += '\n';
-  std::string prefix(kMagic);
+  std::string prefix(kNpyMagic);
   prefix += {1, 0, static_cast<char>(dict.size() & 0xff), static_cast<char>(dict.size() >> 8)};
 
   Result<AtomicFile> file = AtomicFile::create(path);

@@ -15,9 +15,9 @@ namespace {
 bool is_ordered(const Aabb& box) { return !box.empty(); }
 
 // Follows all references from the root, each once. Iterative: a hostile file may be a chain of a hundred million nodes.
-class Walk {
+class Bvh2Walk {
  public:
-  Walk(const Bvh2& bvh, LeafScan& scan) : bvh_(bvh), scan_(scan), seen_(bvh.nodes.size()) {}
+  Bvh2Walk(const Bvh2& bvh, LeafScan& scan) : bvh_(bvh), scan_(scan), seen_(bvh.nodes.size()) {}
 
   Status run() {
     pending_.push_back({bvh_.root, 0});
@@ -129,7 +129,7 @@ Status validate(const Bvh2& bvh, std::uint64_t triangle_count) {
     return Error{"there is no root, but there are nodes or leaves"};
   }
   if (!is_ordered(bvh.bounds)) return Error{"the box of the whole tree is inverted or NaN"};
-  if (Status status = Walk(bvh, *scan).run(); !status) return status;
+  if (Status status = Bvh2Walk(bvh, *scan).run(); !status) return status;
   return check_annotations(bvh);
 }
 

@@ -51,9 +51,9 @@ Result<std::uint32_t> triangles_of(const Bvh8Of<Node>& bvh, std::uint32_t block,
 
 // Follows all references from the root, each once. Iterative: a hostile file may be a chain of a hundred million nodes.
 template <class Node>
-class Walk {
+class Bvh8Walk {
  public:
-  Walk(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count)
+  Bvh8Walk(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count)
       : bvh_(bvh), triangle_count_(triangle_count), seen_(bvh.nodes.size()), used_(bvh.blocks.size()) {}
 
   Status run() {
@@ -161,7 +161,7 @@ Status validate(const Bvh8Of<Node>& bvh, std::uint64_t triangle_count) {
     return Error{"there is no root, but there are nodes or leaves"};
   }
   if (bvh.bounds.empty()) return Error{"the box of the whole tree is inverted or NaN"};
-  return Walk<Node>(bvh, triangle_count).run();
+  return Bvh8Walk<Node>(bvh, triangle_count).run();
 }
 
 template Status validate(const Bvh8&, std::uint64_t);

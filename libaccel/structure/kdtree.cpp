@@ -15,12 +15,12 @@ Error count_error(const char* what, std::uint64_t found, std::uint64_t stated) {
 }
 
 bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool same_box(const Aabb& a, const Aabb& b) { return a.lo == b.lo && a.hi == b.hi; }
+bool same_corners(const Aabb& a, const Aabb& b) { return a.lo == b.lo && a.hi == b.hi; }
 
 // Follows all nodes from the root, with their cells. Iterative: a hostile file may be a chain of a billion nodes.
-class Walk {
+class KdTreeWalk {
  public:
-  explicit Walk(const KdTree& tree)
+  explicit KdTreeWalk(const KdTree& tree)
       : tree_(tree),
         owned_(tree.nodes.size() / 2),
         named_(tree.leaves.references.size()),
@@ -95,7 +95,7 @@ class Walk {
       return Error{node_text(inner.index) + " has a plane that is not strictly within its cell"};
     if (!tree_.parents.empty() && tree_.parents[pair] != inner.index)
       return Error{node_text(inner.index) + " is not the parent that its children state"};
-    if (!tree_.cells.empty() && !same_box(tree_.cells[pair], inner.cell))
+    if (!tree_.cells.empty() && !same_corners(tree_.cells[pair], inner.cell))
       return Error{node_text(inner.index) + " has another cell than its children state"};
 
     Visit children[2] = {{child, inner.above + 1, inner.cell}, {child + 1, inner.above + 1, inner.cell}};
@@ -113,7 +113,7 @@ class Walk {
   }
 
   bool is_good_rope(const LeafRopes& ropes, const Aabb& cell, int face) const {
-    if (!same_box(ropes.cell, cell)) return false;
+    if (!same_corners(ropes.cell, cell)) return false;
     const int axis = face % 3;
     const bool is_upper = face >= 3;
     const float border = is_upper ? tree_.bounds.hi[axis] : tree_.bounds.lo[axis];
@@ -162,7 +162,7 @@ Status validate(const KdTree& tree, std::uint64_t triangle_count) {
   if (tree.nodes.empty()) return check_empty(tree);
   if (Status status = check_sizes(tree); !status) return status;
   if (Status status = validate(tree.leaves, triangle_count); !status) return status;
-  Walk walk(tree);
+  KdTreeWalk walk(tree);
   if (Status status = walk.run(); !status) return status;
   return walk.check_ropes();
 }

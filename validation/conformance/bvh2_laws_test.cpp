@@ -34,7 +34,7 @@ namespace accel::validation {
 namespace {
 
 // What a traversal did, in order.
-struct Record {
+struct Bvh2Record {
   std::vector<const void*> nodes;
   std::vector<std::uint32_t> leaves;
   std::vector<const void*> triangles;
@@ -42,8 +42,8 @@ struct Record {
   Hit hit;
 };
 
-struct RecordingObserver : NullObserver {
-  Record record;
+struct Bvh2Recorder : NullObserver {
+  Bvh2Record record;
   bool visits = false;
 
   void load(Memory memory, const void* address, std::uint32_t bytes) {
@@ -58,15 +58,15 @@ struct RecordingObserver : NullObserver {
 };
 
 template <class Traverser>
-Record record_of(const Bvh2View& view, const Ray& ray) {
-  RecordingObserver observer;
+Bvh2Record bvh2_record_of(const Bvh2View& view, const Ray& ray) {
+  Bvh2Recorder observer;
   observer.record.hit = trace_ray<Traverser>(view, ray, observer);
   return observer.record;
 }
 
 bool same_bits(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof(Hit)) == 0; }
 
-void expect_same(const Record& record, const Record& stack, const char* traverser) {
+void expect_same(const Bvh2Record& record, const Bvh2Record& stack, const char* traverser) {
   EXPECT_EQ(record.nodes, stack.nodes) << traverser;
   EXPECT_EQ(record.leaves, stack.leaves) << traverser;
   EXPECT_EQ(record.triangles, stack.triangles) << traverser;
@@ -86,7 +86,7 @@ bool is_within(const std::vector<T>& part, const std::vector<T>& whole) {
 }
 
 // Some of what may be dropped has been, in the same order.
-void expect_between(const Record& record, const Record& dropping, const Record& stack, const char* traverser) {
+void expect_between(const Bvh2Record& record, const Bvh2Record& dropping, const Bvh2Record& stack, const char* traverser) {
   EXPECT_TRUE(is_within(dropping.nodes, record.nodes)) << traverser;
   EXPECT_TRUE(is_within(record.nodes, stack.nodes)) << traverser;
   EXPECT_TRUE(is_within(dropping.leaves, record.leaves)) << traverser;
@@ -95,9 +95,9 @@ void expect_between(const Record& record, const Record& dropping, const Record& 
 }
 
 // Trees with each kind of annotation, over one tree.
-class Laws {
+class Bvh2LawsOf {
  public:
-  Laws(std::string name, const Bvh2& tree)
+  Bvh2LawsOf(std::string name, const Bvh2& tree)
       : name_(std::move(name)), plain_(tree), parents_(tree), uncles_(tree), all_hashed_(tree) {
     BuildReport report;
     add_links(parents_, Bvh2Links::parents);
@@ -127,8 +127,8 @@ class Laws {
  private:
   // Addresses as offsets.
   template <class Traverser>
-  Record record(const Bvh2& tree, const Bvh2View& view, const Ray& ray) const {
-    Record result = record_of<Traverser>(view, ray);
+  Bvh2Record record(const Bvh2& tree, const Bvh2View& view, const Ray& ray) const {
+    Bvh2Record result = bvh2_record_of<Traverser>(view, ray);
     for (const void*& p : result.nodes)
       p = reinterpret_cast<const void*>(static_cast<const char*>(p) - reinterpret_cast<const char*>(tree.nodes.data()));
     for (const void*& p : result.triangles)
@@ -140,10 +140,10 @@ class Laws {
   void check(const Ray& ray) {
     // Beyond the stack's depth, parent and sibling stand in, which keep no path: so far they are its equals.
     const bool fits = plain_.depth <= Bvh2Stack<Watertight, kQuery>::kMaxDepth;
-    const Record dropping = fits ? record<Bvh2StackWith<Watertight, kQuery, true>>(plain_, plain_.view(), ray)
-                                 : record<Bvh2Parent<Watertight, kQuery>>(parents_, parents_view_, ray);
-    const Record stack = fits ? record<Bvh2StackWith<Watertight, kQuery, false>>(plain_, plain_.view(), ray)
-                              : record<Bvh2SiblingWith<Watertight, kQuery, DeepPath>>(parents_, parents_view_, ray);
+    const Bvh2Record dropping = fits ? record<Bvh2StackWith<Watertight, kQuery, true>>(plain_, plain_.view(), ray)
+                                     : record<Bvh2Parent<Watertight, kQuery>>(parents_, parents_view_, ray);
+    const Bvh2Record stack = fits ? record<Bvh2StackWith<Watertight, kQuery, false>>(plain_, plain_.view(), ray)
+                                  : record<Bvh2SiblingWith<Watertight, kQuery, DeepPath>>(parents_, parents_view_, ray);
     EXPECT_TRUE(same_bits(stack.hit, dropping.hit));
     EXPECT_TRUE(is_within(dropping.nodes, stack.nodes));
 
@@ -161,12 +161,12 @@ class Laws {
   }
 
   template <class Path, Query kQuery>
-  void check_path(const Ray& ray, const Record& stack, const Record& dropping) {
+  void check_path(const Ray& ray, const Bvh2Record& stack, const Bvh2Record& dropping) {
     using NoRegister = Bvh2HashOptions<false>;
     using NoDistance = Bvh2HashOptions<true, false, false>;
-    const Record hash = record<Bvh2HashWith<Watertight, kQuery, Path, NoDistance>>(uncles_, uncles_view_, ray);
+    const Bvh2Record hash = record<Bvh2HashWith<Watertight, kQuery, Path, NoDistance>>(uncles_, uncles_view_, ray);
     expect_same(hash, stack, "hash, no distance");
-    const Record with_distance = record<Bvh2HashWith<Watertight, kQuery, Path>>(uncles_, uncles_view_, ray);
+    const Bvh2Record with_distance = record<Bvh2HashWith<Watertight, kQuery, Path>>(uncles_, uncles_view_, ray);
     expect_between(with_distance, dropping, stack, "hash");
     look_ups_ += hash.look_ups;
     EXPECT_LE(hash.look_ups, 2 * hash.backtracks);
@@ -175,7 +175,7 @@ class Laws {
     expect_same(record<Bvh2UncleWith<Watertight, kQuery, Path>>(uncles_, uncles_view_, ray), stack, "uncle");
     expect_same(record<Bvh2SiblingWith<Watertight, kQuery, Path>>(parents_, parents_view_, ray), stack, "sibling");
     if constexpr (!std::is_same_v<Path, DeepPath>) {
-      const Record masked =
+      const Bvh2Record masked =
           record<Bvh2HashWith<Watertight, kQuery, Path, Bvh2HashOptions<true, true>>>(uncles_, uncles_view_, ray);
       expect_between(masked, dropping, stack, "mask");
     }
@@ -183,17 +183,17 @@ class Laws {
 
   // Hash that remembers several nodes.
   template <class Path, Query kQuery, std::uint32_t kCount>
-  Record check_recent(const Ray& ray, const Record& stack, const Record& dropping) {
-    const Record recent = record<Bvh2HashRecentWith<Watertight, kQuery, Path, kCount>>(uncles_, uncles_view_, ray);
+  Bvh2Record check_recent(const Ray& ray, const Bvh2Record& stack, const Bvh2Record& dropping) {
+    const Bvh2Record recent = record<Bvh2HashRecentWith<Watertight, kQuery, Path, kCount>>(uncles_, uncles_view_, ray);
     expect_between(recent, dropping, stack, "recent");
     EXPECT_LE(recent.look_ups, 2 * recent.backtracks);
     return recent;
   }
   template <class Path, Query kQuery>
-  void check_recent(const Ray& ray, const Record& stack, const Record& dropping) {
-    const Record one = check_recent<Path, kQuery, 1>(ray, stack, dropping),
-                 four = check_recent<Path, kQuery, 4>(ray, stack, dropping),
-                 all = check_recent<Path, kQuery, 64>(ray, stack, dropping);
+  void check_recent(const Ray& ray, const Bvh2Record& stack, const Bvh2Record& dropping) {
+    const Bvh2Record one = check_recent<Path, kQuery, 1>(ray, stack, dropping),
+                     four = check_recent<Path, kQuery, 4>(ray, stack, dropping),
+                     all = check_recent<Path, kQuery, 64>(ray, stack, dropping);
     EXPECT_TRUE(is_within(four.nodes, one.nodes) && is_within(four.leaves, one.leaves));
     EXPECT_EQ(all.look_ups, 0u) << "nothing is forgotten";
     expect_same(all, dropping, "a ring that is long enough is a stack");
@@ -201,8 +201,8 @@ class Laws {
   }
 
   template <bool kDeep, std::uint32_t kShort, Query kQuery>
-  Record check_trail(const Ray& ray, const Record& dropping) {
-    const Record trail = record<Bvh2RestartTrailWith<Watertight, kQuery, kDeep, kShort>>(plain_, plain_.view(), ray);
+  Bvh2Record check_trail(const Ray& ray, const Bvh2Record& dropping) {
+    const Bvh2Record trail = record<Bvh2RestartTrailWith<Watertight, kQuery, kDeep, kShort>>(plain_, plain_.view(), ray);
     EXPECT_EQ(trail.leaves, dropping.leaves) << "trail";
     EXPECT_EQ(trail.triangles, dropping.triangles) << "trail";
     EXPECT_TRUE(is_within(dropping.nodes, trail.nodes)) << "trail";
@@ -210,9 +210,9 @@ class Laws {
     return trail;
   }
   template <Query kQuery>
-  void check_shallow_trail(const Ray& ray, const Record& dropping) {
-    const Record none = check_trail<false, 0, kQuery>(ray, dropping), some = check_trail<false, 4, kQuery>(ray, dropping),
-                 many = check_trail<false, 64, kQuery>(ray, dropping);
+  void check_shallow_trail(const Ray& ray, const Bvh2Record& dropping) {
+    const Bvh2Record none = check_trail<false, 0, kQuery>(ray, dropping), some = check_trail<false, 4, kQuery>(ray, dropping),
+                     many = check_trail<false, 64, kQuery>(ray, dropping);
     EXPECT_LE(some.nodes.size(), none.nodes.size());
     EXPECT_EQ(many.nodes, dropping.nodes) << "a short stack that is long enough is a stack";
   }
@@ -237,7 +237,7 @@ TEST(Bvh2Laws, OnRandomTreesOverScenesThatHurt) {
   std::uint64_t look_ups = 0, of_one = 0, of_four = 0;
   for (const StressScene& scene : stress_scenes(61)) {
     for (const TreeShape shape : {TreeShape::balanced, TreeShape::random, TreeShape::skewed}) {
-      Laws laws(scene.name, random_bvh2(scene.mesh, 62, {.shape = shape}));
+      Bvh2LawsOf laws(scene.name, random_bvh2(scene.mesh, 62, {.shape = shape}));
       laws.check(stress_rays(scene.mesh, 60, 63));
       look_ups += laws.look_ups(), of_one += laws.look_ups_of_one(), of_four += laws.look_ups_of_four();
     }
@@ -254,7 +254,7 @@ TEST(Bvh2Laws, OnBuiltTrees) {
     const TriangleMesh mesh = *scene->one_mesh();
     const auto built = Sbvh::build(mesh, {.max_leaf_size = 2});
     ASSERT_TRUE(built);
-    Laws(std::string(builtin.name), built->structure).check(stress_rays(mesh, 100, 64));
+    Bvh2LawsOf(std::string(builtin.name), built->structure).check(stress_rays(mesh, 100, 64));
   }
 }
 
@@ -265,7 +265,7 @@ TEST(Bvh2Laws, OnDeepTrees) {
     for (const TreeShape shape : {TreeShape::left_comb, TreeShape::right_comb, TreeShape::chain, TreeShape::zigzag}) {
       const Bvh2 tree = random_bvh2(mesh, depth, {.shape = shape, .leaf_size = 1, .max_depth = depth});
       EXPECT_EQ(tree.depth, depth);
-      Laws("depth " + std::to_string(depth), tree).check(stress_rays(mesh, 20, 65));
+      Bvh2LawsOf("depth " + std::to_string(depth), tree).check(stress_rays(mesh, 20, 65));
     }
   }
 }

@@ -1,7 +1,6 @@
 // What lies in front of a ray's interval does not matter, and what lies behind it is found as brute force finds it. That both
 // ends belong to it is a law: laws_test.cpp.
 #include <cmath>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -9,11 +8,10 @@
 #include "validation/conformance/method_test.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel::validation {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 class Interval : public MethodTest {
  protected:

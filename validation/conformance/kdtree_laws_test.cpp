@@ -27,15 +27,15 @@ namespace accel::validation {
 namespace {
 
 // What a traversal did, in order.
-struct Record {
+struct KdTreeRecord {
   std::vector<std::uint32_t> leaves;
   std::vector<const void*> triangles;
   std::uint64_t node_steps = 0, backtracks = 0;
   Hit hit;
 };
 
-struct RecordingObserver : NullObserver {
-  Record record;
+struct KdTreeRecorder : NullObserver {
+  KdTreeRecord record;
 
   void load(Memory memory, const void* address, std::uint32_t bytes) {
     if (memory == Memory::triangle && bytes == sizeof(PackedTriangle)) record.triangles.push_back(address);
@@ -46,8 +46,8 @@ struct RecordingObserver : NullObserver {
 };
 
 template <template <class, Query> class Traverser, Query kQuery>
-Record record_of(const KdTree& tree, const Ray& ray) {
-  RecordingObserver observer;
+KdTreeRecord kdtree_record_of(const KdTree& tree, const Ray& ray) {
+  KdTreeRecorder observer;
   observer.record.hit = trace_ray<Traverser<Watertight, kQuery>>(tree.view(), ray, observer);
   return observer.record;
 }
@@ -58,9 +58,11 @@ KdTree built(const TriangleMesh& mesh) {
   return result ? std::move(result->structure) : KdTree{};
 }
 
-class Laws {
+class KdTreeLawsOf {
  public:
-  Laws(std::string name, KdTree tree) : name_(std::move(name)), tree_(std::move(tree)) { add_links(tree_), add_ropes(tree_); }
+  KdTreeLawsOf(std::string name, KdTree tree) : name_(std::move(name)), tree_(std::move(tree)) {
+    add_links(tree_), add_ropes(tree_);
+  }
 
   void check(const std::vector<Ray>& rays) {
     for (std::size_t i = 0; i < rays.size() && !testing::Test::HasFailure(); ++i) {
@@ -73,14 +75,14 @@ class Laws {
  private:
   template <Query kQuery>
   void check(const Ray& ray) {
-    const Record stack = record_of<KdTreeStack, kQuery>(tree_, ray);
-    const Record restart = record_of<KdTreeRestart, kQuery>(tree_, ray);
-    const Record backtrack = record_of<KdTreeBacktrack, kQuery>(tree_, ray);
-    const Record short_stack = record_of<KdTreeShortStack, kQuery>(tree_, ray);
+    const KdTreeRecord stack = kdtree_record_of<KdTreeStack, kQuery>(tree_, ray);
+    const KdTreeRecord restart = kdtree_record_of<KdTreeRestart, kQuery>(tree_, ray);
+    const KdTreeRecord backtrack = kdtree_record_of<KdTreeBacktrack, kQuery>(tree_, ray);
+    const KdTreeRecord short_stack = kdtree_record_of<KdTreeShortStack, kQuery>(tree_, ray);
     expect_same(restart, stack, "restart");
     expect_same(backtrack, stack, "backtrack");
     expect_same(short_stack, stack, "short stack");
-    expect_same(record_of<KdTreeRopes, kQuery>(tree_, ray), stack, "ropes");
+    expect_same(kdtree_record_of<KdTreeRopes, kQuery>(tree_, ray), stack, "ropes");
 
     EXPECT_LE(restart.node_steps, restart.leaves.size() * tree_.depth);
     EXPECT_LE(short_stack.node_steps, restart.node_steps);
@@ -90,7 +92,7 @@ class Laws {
     EXPECT_TRUE(stack.node_steps == 0 || backtrack.node_steps + backtrack.backtracks < 3 * stack.node_steps);
   }
 
-  static void expect_same(const Record& record, const Record& stack, const char* traverser) {
+  static void expect_same(const KdTreeRecord& record, const KdTreeRecord& stack, const char* traverser) {
     EXPECT_EQ(record.leaves, stack.leaves) << traverser;
     EXPECT_EQ(record.triangles, stack.triangles) << traverser;
     EXPECT_EQ(std::memcmp(&record.hit, &stack.hit, sizeof(Hit)), 0) << traverser;
@@ -103,8 +105,9 @@ class Laws {
 TEST(KdTreeLaws, OnRandomTreesOverScenesThatHurt) {
   for (const StressScene& scene : stress_scenes(51)) {
     for (const std::uint64_t seed : {1, 2, 3}) {
-      Laws(scene.name, random_kdtree(scene.mesh, seed)).check(stress_rays(scene.mesh, 400, 52 + seed));
-      Laws(scene.name, random_kdtree(scene.mesh, seed + 10)).check(nearly_parallel_rays(scene.mesh, -149, -60, 50, seed));
+      KdTreeLawsOf(scene.name, random_kdtree(scene.mesh, seed)).check(stress_rays(scene.mesh, 400, 52 + seed));
+      KdTreeLawsOf(scene.name, random_kdtree(scene.mesh, seed + 10))
+          .check(nearly_parallel_rays(scene.mesh, -149, -60, 50, seed));
     }
   }
 }
@@ -112,7 +115,7 @@ TEST(KdTreeLaws, OnRandomTreesOverScenesThatHurt) {
 TEST(KdTreeLaws, OnScenesAndRaysThatHurtCells) {
   for (const StressScene& scene : cell_stress_scenes()) {
     for (const std::uint64_t seed : {1, 2}) {
-      Laws laws(scene.name, random_kdtree(scene.mesh, seed));
+      KdTreeLawsOf laws(scene.name, random_kdtree(scene.mesh, seed));
       laws.check(cell_stress_rays(scene.mesh, 400, seed));
       laws.check(far_rays(scene.mesh, 1e3f, 50, seed));
     }
@@ -121,14 +124,14 @@ TEST(KdTreeLaws, OnScenesAndRaysThatHurtCells) {
 
 TEST(KdTreeLaws, OnBuiltTrees) {
   for (const StressScene& scene : stress_scenes(56)) {
-    Laws laws(scene.name, built(scene.mesh));
+    KdTreeLawsOf laws(scene.name, built(scene.mesh));
     laws.check(stress_rays(scene.mesh, 300, 57));
   }
   for (const BuiltinScene& builtin : builtin_scenes()) {
     const Result<SceneData> scene = make_builtin(std::string(builtin.name) + ":1000");
     ASSERT_TRUE(scene) << scene.message();
     const TriangleMesh mesh = *scene->one_mesh();
-    Laws laws(std::string(builtin.name), built(mesh));
+    KdTreeLawsOf laws(std::string(builtin.name), built(mesh));
     laws.check(stress_rays(mesh, 300, 58));
   }
 }
@@ -137,7 +140,7 @@ TEST(KdTreeLaws, OnDeepTrees) {
   const TriangleMesh mesh = mesh_of(random_triangles(200, 0.3f, 53));
   const KdTree tree = random_kdtree(mesh, 54, {.max_depth = 60, .leaf_size = 0});
   EXPECT_GT(tree.depth, 40u);
-  Laws("deep", tree).check(stress_rays(mesh, 500, 55));
+  KdTreeLawsOf("deep", tree).check(stress_rays(mesh, 500, 55));
 }
 
 }  // namespace

@@ -17,7 +17,6 @@
 namespace accel::validation {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t kMostCases = 8;
 
 bool same_bits(const Hit& a, const Hit& b) {
@@ -25,7 +24,7 @@ bool same_bits(const Hit& a, const Hit& b) {
          a.prim_id == b.prim_id;
 }
 
-Vec3 scaled(Vec3 v, int k) { return {std::ldexp(v.x, k), std::ldexp(v.y, k), std::ldexp(v.z, k)}; }
+Vec3 times_power_of_two(Vec3 v, int k) { return {std::ldexp(v.x, k), std::ldexp(v.y, k), std::ldexp(v.z, k)}; }
 Vec3 turned(Vec3 v) { return {v.y, v.z, v.x}; }
 
 template <class Change>
@@ -137,17 +136,17 @@ class LawCheck {
   }
   // Whether scaling loses no bit to underflow.
   static bool is_exact(Vec3 v, int k) {
-    const Vec3 there_and_back = scaled(scaled(v, k), -k);
+    const Vec3 there_and_back = times_power_of_two(times_power_of_two(v, k), -k);
     return there_and_back.x == v.x && there_and_back.y == v.y && there_and_back.z == v.z;
   }
   void scale(const std::vector<Ray>& rays, const std::vector<int>& exponents) {
     const std::vector<Hit> hits = closest(build(scene_.mesh), rays);
     for (const int k : exponents) {
-      const auto accel = build(with_vertices(scene_.mesh, [&](Vec3 v) { return scaled(v, k); }));
+      const auto accel = build(with_vertices(scene_.mesh, [&](Vec3 v) { return times_power_of_two(v, k); }));
       std::vector<Ray> both = rays, scene_only = rays;
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        scene_only[i].org = both[i].org = scaled(rays[i].org, k);
-        both[i].dir = scaled(rays[i].dir, k);
+        scene_only[i].org = both[i].org = times_power_of_two(rays[i].org, k);
+        both[i].dir = times_power_of_two(rays[i].dir, k);
       }
       std::vector<Hit> expected = hits;
       const std::string times = "times 2^" + std::to_string(k);
@@ -311,7 +310,7 @@ class LawCheck {
     };
     const auto zero = [](float) { return 0.0f; };
     const auto same = [](float t) { return t; };
-    const auto infinite = [](float) { return kInfinity; };
+    const auto infinite = [](float) { return std::numeric_limits<float>::infinity(); };
     for (const auto& [part, what] :
          {std::pair{refined(zero, same), "[0, t]"}, {refined(same, infinite), "[t, inf]"}, {refined(same, same), "[t, t]"}})
       expect_same(part, closest(accel, part), hits, what);
@@ -342,9 +341,9 @@ LawResult& LawResult::operator+=(const LawResult& other) {
   return *this;
 }
 
-// Features of 2^-40 leave the range of the watertight test when they are scaled by 2^-40 (geometry/watertight.h); coordinates
-// at the limit leave the library's. And from rays that start around all of the nested boxes, half of them are too far away for
-// what structures of cells promise (trace/cell_ray.h).
+// Features of 2^-40 leave the range of the watertight test when they are times_power_of_two by 2^-40 (geometry/watertight.h);
+// coordinates at the limit leave the library's. And from rays that start around all of the nested boxes, half of them are too
+// far away for what structures of cells promise (trace/cell_ray.h).
 bool has_range_for(Law law, const StressScene& scene) {
   if (law == Law::scale) return scene.name != "nested" && scene.name != "broken";
   return law != Law::unions || scene.name != "nested";

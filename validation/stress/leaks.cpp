@@ -19,7 +19,7 @@ constexpr double kScales[] = {1e-3, 1, 1e3};
 constexpr double kSampleShare = 1e-3;
 constexpr std::uint64_t kLeastSample = 50;  // of each mesh
 constexpr float kSlack = 0x1p-10f;          // by how much a t may differ before somebody is asked
-constexpr std::size_t kMostReported = 8;
+constexpr std::size_t kMostLeaksReported = 8;
 
 // A closed mesh at its place, and the rays at it.
 struct PlacedMesh {
@@ -153,7 +153,7 @@ class LeakRun {
     for (std::size_t a = 0; a < asked.size(); ++a) {
       const std::size_t i = asked[a];
       const bool leaks = count(verdicts[a], PlacedMesh::is_inside(chunk_.first + i), hits[i].valid(), tally);
-      if ((!leaks && !is_failure(verdicts[a])) || wrong.size() == kMostReported) continue;
+      if ((!leaks && !is_failure(verdicts[a])) || wrong.size() == kMostLeaksReported) continue;
       wrong.push_back({i, chunk_.rays[i], verdicts[a], hits[i], std::nullopt});
       if (!chunk_.robust.empty()) wrong.back().witness = chunk_.robust[i];
     }

@@ -10,9 +10,9 @@
 namespace accel::validation {
 namespace {
 
-class RandomBuild {
+class RandomBvh2Build {
  public:
-  RandomBuild(const TriangleMesh& mesh, std::uint64_t seed, const RandomBvh2Options& options)
+  RandomBvh2Build(const TriangleMesh& mesh, std::uint64_t seed, const RandomBvh2Options& options)
       : mesh_(mesh), options_(options), rng_(seed, 0) {
     for (std::uint32_t i = 0; i < mesh.size(); ++i)
       if (is_in_range(mesh.triangle(i)) && !is_zero_area(mesh.triangle(i))) ids_.push_back(i);
@@ -100,7 +100,7 @@ class RandomBuild {
 }  // namespace
 
 Bvh2 random_bvh2(const TriangleMesh& mesh, std::uint64_t seed, const RandomBvh2Options& options) {
-  return RandomBuild(mesh, seed, options).run();
+  return RandomBvh2Build(mesh, seed, options).run();
 }
 
 }  // namespace accel::validation

@@ -12,9 +12,9 @@
 namespace accel::validation {
 namespace {
 
-class RandomBuild {
+class RandomKdTreeBuild {
  public:
-  RandomBuild(const TriangleMesh& mesh, std::uint64_t seed, const RandomKdTreeOptions& options)
+  RandomKdTreeBuild(const TriangleMesh& mesh, std::uint64_t seed, const RandomKdTreeOptions& options)
       : options_(options), rng_(seed, 0) {
     for (std::uint32_t i = 0; i < mesh.size(); ++i) {
       const Triangle triangle = mesh.triangle(i);
@@ -106,7 +106,7 @@ class RandomBuild {
 }  // namespace
 
 KdTree random_kdtree(const TriangleMesh& mesh, std::uint64_t seed, const RandomKdTreeOptions& options) {
-  return RandomBuild(mesh, seed, options).run();
+  return RandomKdTreeBuild(mesh, seed, options).run();
 }
 
 }  // namespace accel::validation

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "libaccel/trace/bvh8_ordered.h"
 #include "validation/stress/hostile_floats.h"
 #include "validation/unit/build/builder_checks.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
@@ -27,7 +27,6 @@ TYPED_TEST_SUITE(CodeBvh8, CodedNodes);
 
 // A tree of one node with the given boxes.
 Bvh8 tree_of(const std::vector<Aabb>& boxes) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Bvh8 bvh;
   bvh.root = 0, bvh.depth = 1;
   bvh.nodes = Buffer<Bvh8Node>(1);

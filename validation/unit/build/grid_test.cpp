@@ -18,7 +18,7 @@ namespace {
 
 using test::same_bytes;
 
-Built<Grid> build(const TriangleMesh& mesh, const BuildOptions& options = {}) {
+Built<Grid> build_grid(const TriangleMesh& mesh, const BuildOptions& options = {}) {
   return test::build<GridBuilder>(mesh, options);
 }
 
@@ -90,7 +90,7 @@ void expect_right_cells(const TriangleMesh& mesh, const Grid& grid) {
 
 TEST(GridBuilder, NothingToBuildIsAnEmptyGrid) {
   for (const TriangleMesh& mesh : test::empty_meshes()) {
-    const Built<Grid> built = build(mesh);
+    const Built<Grid> built = build_grid(mesh);
     EXPECT_TRUE(built.structure.cells.empty());
     EXPECT_EQ(built.report.skipped.zero_area, mesh.size());
   }
@@ -103,13 +103,13 @@ TEST(GridBuilder, CellsHaveTheTrianglesNearThem) {
     BuildOptions options;
     options.grid_density = 500.0f / static_cast<float>(mesh.size());
     options.max_references = 1024;
-    expect_right_cells(mesh, build(mesh, options).structure);
+    expect_right_cells(mesh, build_grid(mesh, options).structure);
   }
 }
 
 TEST(GridBuilder, LargeTrianglesFillTheCellsThatTheyPass) {
-  expect_right_cells(test::slivers(40), build(test::slivers(40), with_resolution(16, 15, 14)).structure);
-  expect_right_cells(test::soup(40, 2.0f), build(test::soup(40, 2.0f), with_resolution(13, 16, 9)).structure);
+  expect_right_cells(test::slivers(40), build_grid(test::slivers(40), with_resolution(16, 15, 14)).structure);
+  expect_right_cells(test::soup(40, 2.0f), build_grid(test::soup(40, 2.0f), with_resolution(13, 16, 9)).structure);
   // Edges along axes, in planes of the grid, and diagonal.
   std::vector<Triangle> triangles;
   for (int i = 0; i <= 8; ++i) {
@@ -120,12 +120,12 @@ TEST(GridBuilder, LargeTrianglesFillTheCellsThatTheyPass) {
     triangles.push_back({{0, 0, c}, {8, 8, c}, {8, 8, 8}});
     triangles.push_back({{c, 0, 0}, {0, 8, 0}, {0, 0, 8}});
   }
-  expect_right_cells(test::mesh_of(triangles), build(test::mesh_of(triangles), with_resolution(8, 8, 8)).structure);
+  expect_right_cells(test::mesh_of(triangles), build_grid(test::mesh_of(triangles), with_resolution(8, 8, 8)).structure);
 }
 
 // What a box of cells would cost: a diagonal triangle reaches into a share of it.
 TEST(GridBuilder, ALargeTriangleDoesNotFillItsBox) {
-  const Built<Grid> built = build(test::mesh_of({{{0, 0, 0}, {1, 1, 0}, {1, 0, 1}}}), with_resolution(64, 64, 64));
+  const Built<Grid> built = build_grid(test::mesh_of({{{0, 0, 0}, {1, 1, 0}, {1, 0, 1}}}), with_resolution(64, 64, 64));
   EXPECT_LT(built.report.references, 2u * 3 * 64 * 64);
   EXPECT_GT(built.report.references, 64u * 64 / 2);
 }
@@ -138,7 +138,7 @@ TEST(GridBuilder, ScalesAndOffsets) {
       for (Vec3& v : moved.vertices) v = (v + Vec3{offset, -offset, 0.1f * offset}) * scale;
       if (!in_range(moved.vertices[0])) continue;
       SCOPED_TRACE(std::to_string(scale) + " " + std::to_string(offset));
-      expect_right_cells(moved, build(moved, with_resolution(6, 7, 5)).structure);
+      expect_right_cells(moved, build_grid(moved, with_resolution(6, 7, 5)).structure);
     }
 }
 
@@ -156,14 +156,14 @@ TEST(GridBuilder, FlatCells) {
     triangles.push_back({a, b, p});
   }
   const TriangleMesh mesh = test::mesh_of(triangles);
-  const Grid grid = build(mesh, with_resolution(20, 20, 3)).structure;
+  const Grid grid = build_grid(mesh, with_resolution(20, 20, 3)).structure;
   expect_right_cells(mesh, grid);
 }
 
 TEST(GridBuilder, ReportAgreesWithTheGrid) {
   for (const auto& [name, mesh] : test::all_meshes()) {
     SCOPED_TRACE(name);
-    const Built<Grid> built = build(mesh);
+    const Built<Grid> built = build_grid(mesh);
     const GridStats stats = grid_stats(built.structure, 1, 1);
     test::expect_true_report(mesh, built, stats);
     EXPECT_TRUE(built.structure.frame.bounds().contains(mesh_facts(mesh).bounds));
@@ -179,7 +179,7 @@ TEST(GridBuilder, ReferencesStayWithinTheirBound) {
   BuildOptions options;
   options.grid_density = 0.5f;
   options.max_references = 1024.0f;
-  const Built<Grid> unbound = build(mesh, options);
+  const Built<Grid> unbound = build_grid(mesh, options);
   EXPECT_TRUE(unbound.report.notes.empty());
   ASSERT_GT(unbound.report.references, kFreeReferences);
 
@@ -187,18 +187,18 @@ TEST(GridBuilder, ReferencesStayWithinTheirBound) {
   for (const float share : {0.0f, 0.8f, 0.95f}) {
     const float most = std::max(1.0f, share * static_cast<float>(unbound.report.references) / 10000.0f);
     options.max_references = most, options.threads = 0;
-    const Built<Grid> built = build(mesh, options);
+    const Built<Grid> built = build_grid(mesh, options);
     EXPECT_LE(static_cast<double>(built.report.references), std::max(most * 10000.0, static_cast<double>(kFreeReferences)));
     EXPECT_LT(built.structure.cells.size(), unbound.structure.cells.size());
     EXPECT_GE(built.structure.cells.size(), last);
     EXPECT_FALSE(built.report.notes.empty());
     last = built.structure.cells.size();
     options.threads = 4;
-    EXPECT_TRUE(same_bytes(built.structure, build(mesh, options).structure));
+    EXPECT_TRUE(same_bytes(built.structure, build_grid(mesh, options).structure));
   }
   BuildOptions one;
   one.max_references = 1.0f;
-  EXPECT_EQ(build(test::soup(70000, 2.0f), one).structure.cells.size(), 1u);
+  EXPECT_EQ(build_grid(test::soup(70000, 2.0f), one).structure.cells.size(), 1u);
 }
 
 TEST(GridBuilder, AResolutionBeyondTheBoundIsAnError) {
@@ -210,12 +210,12 @@ TEST(GridBuilder, AResolutionBeyondTheBoundIsAnError) {
 }
 
 TEST(GridBuilder, AGivenResolutionIsKept) {
-  const Grid grid = build(test::soup(500, 0.1f), with_resolution(50, 40, 1)).structure;
+  const Grid grid = build_grid(test::soup(500, 0.1f), with_resolution(50, 40, 1)).structure;
   EXPECT_EQ(grid.frame.resolution, (GridResolution{50, 40, 1}));
 }
 
 TEST(GridBuilder, IdenticalTrianglesShareTheirCells) {
-  const Built<Grid> built = build(test::identical(1000));
+  const Built<Grid> built = build_grid(test::identical(1000));
   EXPECT_EQ(built.report.references % 1000, 0u);
   EXPECT_LE(built.report.references, kFreeReferences);
 }

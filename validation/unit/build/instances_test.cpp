@@ -20,8 +20,8 @@ using test::built;
 // Of two boxes and of eight.
 template <class Builder>
 class InstanceBuilders : public testing::Test {};
-using Builders = testing::Types<InstanceBuilder, WideInstances>;
-TYPED_TEST_SUITE(InstanceBuilders, Builders);
+using BuildersOfInstances = testing::Types<InstanceBuilder, WideInstances>;
+TYPED_TEST_SUITE(InstanceBuilders, BuildersOfInstances);
 
 TYPED_TEST(InstanceBuilders, TheSameBytesForAnyNumberOfThreads) {
   using Structure = typename TypeParam::Structure;

@@ -17,7 +17,7 @@
 namespace accel {
 namespace {
 
-Built<KdTree> build(const TriangleMesh& mesh, const BuildOptions& options = {}) {
+Built<KdTree> build_kdtree(const TriangleMesh& mesh, const BuildOptions& options = {}) {
   return test::build<KdTreeSah>(mesh, options);
 }
 
@@ -177,7 +177,7 @@ double expected_cost(const KdTree& tree, const KdCosts& costs) {
 
 TEST(KdTreeSah, NothingToBuildIsAnEmptyTree) {
   for (const TriangleMesh& mesh : test::empty_meshes()) {
-    const Built<KdTree> built = build(mesh);
+    const Built<KdTree> built = build_kdtree(mesh);
     EXPECT_TRUE(built.structure.nodes.empty());
     EXPECT_EQ(built.report.skipped.zero_area, mesh.size());
   }
@@ -186,7 +186,7 @@ TEST(KdTreeSah, NothingToBuildIsAnEmptyTree) {
 TEST(KdTreeSah, ReportAgreesWithTheTree) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    const Built<KdTree> built = build(mesh);
+    const Built<KdTree> built = build_kdtree(mesh);
     const KdTreeStats stats = kdtree_stats(built.structure);
     test::expect_true_report(mesh, built, stats);
     const Aabb bounds = mesh_facts(mesh).bounds;
@@ -198,7 +198,7 @@ TEST(KdTreeSah, ReportAgreesWithTheTree) {
 TEST(KdTreeSah, TrianglesAreInEveryCellWithinThePad) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    const std::vector<LeafCell> leaves = leaf_cells(build(mesh).structure);
+    const std::vector<LeafCell> leaves = leaf_cells(build_kdtree(mesh).structure);
     const Vec3d pad = cell_padding(mesh_facts(mesh).bounds);
     std::size_t missing = 0;
     for (std::uint32_t i = 0; i<mesh.size(); i += mesh.size()> 2000 ? 5 : 1) {
@@ -221,7 +221,7 @@ TEST(KdTreeSah, CellsHoldOnlyTrianglesNearThem) {
     SCOPED_TRACE(name);
     const Vec3d pad = cell_padding(mesh_facts(mesh).bounds);
     std::size_t strangers = 0, references = 0;
-    for (const LeafCell& leaf : leaf_cells(build(mesh).structure))
+    for (const LeafCell& leaf : leaf_cells(build_kdtree(mesh).structure))
       for (const std::uint32_t i : leaf.prim_ids)
         ++references, strangers += !TriangleBoxOverlap(mesh.triangle(i), leaf.cell, pad, 3).overlap();
     EXPECT_EQ(strangers, 0u) << "of " << references;
@@ -231,7 +231,7 @@ TEST(KdTreeSah, CellsHoldOnlyTrianglesNearThem) {
 TEST(KdTreeSah, HitsAreThoseOfBruteForce) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    const KdTree tree = build(mesh).structure;
+    const KdTree tree = build_kdtree(mesh).structure;
     test::expect_hits_of_brute_force<KdTreeStack<Watertight, Query::closest>>(mesh, tree, tree.bounds, 200);
   }
 }
@@ -244,7 +244,7 @@ TEST(KdTreeSah, DepthStaysWithinItsBound) {
       SCOPED_TRACE(name + ", " + std::to_string(max_depth));
       BuildOptions options;
       options.max_depth = max_depth;
-      const Built<KdTree> built = build(mesh, options);
+      const Built<KdTree> built = build_kdtree(mesh, options);
       EXPECT_LE(built.structure.depth, static_cast<std::uint32_t>(std::min(max_depth, kKdStackSize)));
     }
 }
@@ -254,7 +254,7 @@ TEST(KdTreeSah, ReferencesStayWithinTheBudget) {
   for (const float most : {1.0f, 1.5f, 3.0f, 8.0f}) {
     BuildOptions options;
     options.max_references = most;
-    const Built<KdTree> built = build(test::slivers(2000), options);
+    const Built<KdTree> built = build_kdtree(test::slivers(2000), options);
     EXPECT_LE(static_cast<double>(built.report.references), most * 2000.0);
     EXPECT_GT(static_cast<double>(built.report.references), last);
     last = static_cast<double>(built.report.references);
@@ -262,7 +262,7 @@ TEST(KdTreeSah, ReferencesStayWithinTheBudget) {
 }
 
 TEST(KdTreeSah, CoincidentTrianglesShareALeaf) {
-  const Built<KdTree> built = build(test::identical(20000));
+  const Built<KdTree> built = build_kdtree(test::identical(20000));
   EXPECT_LE(built.report.references, 10 * 20000u);
   EXPECT_LE(kdtree_stats(built.structure).leaves, 200u);
 }
@@ -272,7 +272,7 @@ TEST(KdTreeSah, CheaperNodesMakeLargerTrees) {
   for (const float traversal_cost : {8.0f, 2.0f, 0.5f}) {
     BuildOptions options;
     options.traversal_cost = traversal_cost;
-    const std::uint64_t inner_nodes = kdtree_stats(build(test::soup(3000, 0.05f), options).structure).inner_nodes;
+    const std::uint64_t inner_nodes = kdtree_stats(build_kdtree(test::soup(3000, 0.05f), options).structure).inner_nodes;
     EXPECT_GT(inner_nodes, last);
     last = inner_nodes;
   }
@@ -282,7 +282,7 @@ TEST(KdTreeSah, TheBonusCutsOffEmptySpace) {
   const auto empty_leaves = [](float bonus) {
     BuildOptions options;
     options.empty_bonus = bonus;
-    const KdTreeStats stats = kdtree_stats(build(test::soup(3000, 0.05f), options).structure);
+    const KdTreeStats stats = kdtree_stats(build_kdtree(test::soup(3000, 0.05f), options).structure);
     return static_cast<double>(stats.empty_leaves) / static_cast<double>(stats.leaves);
   };
   EXPECT_GT(empty_leaves(0.5f), empty_leaves(0.0f));
@@ -311,7 +311,7 @@ TEST(KdTreeSah, LooksFurtherWhereALeafIsDear) {
 
 TEST(KdTreeSah, ScalingByAPowerOfTwoKeepsTheTree) {
   const TriangleMesh mesh = test::soup(1000, 0.2f);
-  const KdTree a = build(mesh).structure, b = build(scaled(mesh, 0x1p40f, 0)).structure;
+  const KdTree a = build_kdtree(mesh).structure, b = build_kdtree(scaled(mesh, 0x1p40f, 0)).structure;
   ASSERT_EQ(a.nodes.size(), b.nodes.size());
   for (std::size_t i = 0; i < a.nodes.size(); ++i) {
     EXPECT_EQ(a.nodes[i].link, b.nodes[i].link);

@@ -4,13 +4,13 @@
 
 #include "libaccel/core/float_bounds.h"
 #include "validation/unit/compare/test_scenes.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel::validation {
 namespace {
 
 using test::make_mesh;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const Hit kMiss;
 
 Ray ray_to(Vec3 org, Vec3 dir, float t_min = 0, float t_max = kInfinity) { return {org, t_min, dir, t_max}; }

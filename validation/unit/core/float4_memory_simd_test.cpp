@@ -8,7 +8,7 @@
 namespace accel {
 namespace {
 
-Vec3 random_point(CounterRng& rng) {
+Vec3 random_corner(CounterRng& rng) {
   const float x = rng.next_float(-1, 1), y = rng.next_float(-1, 1), z = rng.next_float(-1, 1);
   return {x, y, z};
 }
@@ -41,7 +41,7 @@ TEST(Float4Memory, TransposedAndMeasuredAsByTheTwin) {
     Box4 box[4];
     const float scale = rng.next_float(0, 2);
     for (int i = 0; i < 4; ++i) {
-      const Vec3 p = random_point(rng), q = random_point(rng), low = min_of(p, q), high = max_of(p, q);
+      const Vec3 p = random_corner(rng), q = random_corner(rng), low = min_of(p, q), high = max_of(p, q);
       lo[i] = Float4::of(low), hi[i] = Float4::of(high);
       twin_lo[i] = Float4Scalar::of(low), twin_hi[i] = Float4Scalar::of(high);
       box[i] = {lo[i], hi[i]};

@@ -7,11 +7,10 @@
 #include <cstdint>
 
 #include "validation/stress/hostile_floats.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 TEST(FloatBounds, GammaIsHighams) {
   EXPECT_EQ(kUnitRoundoff, 0x1p-24f);

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "libaccel/core/float_bounds.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const float kNaN = std::nanf("");
 const Ray kGood{.org = {1, 2, 3}, .t_min = 0, .dir = {0, 0, 1}, .t_max = 10};
 

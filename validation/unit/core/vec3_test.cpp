@@ -6,11 +6,10 @@
 #include <limits>
 
 #include "validation/stress/hostile_floats.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 TEST(Vec3, WorksByComponent) {
   const Vec3 a{1, 2, 3}, b{4, -5, 6};

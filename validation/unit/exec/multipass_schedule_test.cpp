@@ -11,7 +11,7 @@ namespace {
 
 using Kernel = MultipassKernel;
 
-constexpr MultipassRule kRules[] = {MultipassRule::delany, MultipassRule::largest_first, MultipassRule::drain};
+constexpr MultipassRule kEveryRule[] = {MultipassRule::delany, MultipassRule::largest_first, MultipassRule::drain};
 
 MultipassCounts counts(std::uint32_t down, std::uint32_t leaf, std::uint32_t intersect, std::uint32_t continues,
                        std::uint32_t up) {
@@ -61,7 +61,8 @@ TEST(MultipassSchedule, NeverChoosesAKernelThatNobodyWaitsFor) {
       if (rng.next_below(3) == 0) waiting[static_cast<Kernel>(k)] = rng.next_below(50);
     if (waiting.total() == 0) continue;
     const auto current = static_cast<Kernel>(rng.next_below(kMultipassKernels));
-    for (const MultipassRule rule : kRules) ASSERT_GT(waiting[choose_kernel(rule, current, waiting)], 0u) << rule_name(rule);
+    for (const MultipassRule rule : kEveryRule)
+      ASSERT_GT(waiting[choose_kernel(rule, current, waiting)], 0u) << rule_name(rule);
   }
 }
 

@@ -25,25 +25,25 @@ using Kernel = MultipassKernel;
 constexpr MultipassRule kRules[] = {MultipassRule::delany, MultipassRule::largest_first, MultipassRule::drain};
 
 // Hits nothing, by definition (core/ray.h).
-constexpr Ray kDeadRay{.org = {}, .dir = {0, 0, 0}};
+constexpr Ray kRayWithoutDirection{.org = {}, .dir = {0, 0, 0}};
 
-struct Scene {
+struct MultipassScene {
   TriangleMesh mesh;
   Bvh2 bvh;
   TriangleList list;
   std::vector<Ray> rays;
 };
 
-// A triangle soup and random rays, some of them dead; built once.
-const Scene& soup() {
-  static const Scene scene = [] {
-    Scene s;
-    s.mesh = make_builtin("soup:1000")->mesh;
+// A triangle multipass_soup and random rays, some of them dead; built once.
+const MultipassScene& multipass_soup() {
+  static const MultipassScene scene = [] {
+    MultipassScene s;
+    s.mesh = make_builtin("multipass_soup:1000")->mesh;
     s.bvh = BinnedSah::build(s.mesh, {})->structure;
     s.list = ListBuilder::build(s.mesh, {})->structure;
     const RaySet set = *random_rays(s.bvh.bounds, 2500);
     s.rays.assign(set.rays.begin(), set.rays.end());
-    for (std::size_t i = 7; i < s.rays.size(); i += 50) s.rays[i] = kDeadRay;
+    for (std::size_t i = 7; i < s.rays.size(); i += 50) s.rays[i] = kRayWithoutDirection;
     return s;
   }();
   return scene;
@@ -66,7 +66,7 @@ std::string name_of(const MultipassOptions& o) {
 }
 
 template <class Traverser>
-void expect_cpu_hits(const typename Traverser::View& view, std::span<const Ray> rays) {
+void expect_multipass_hits(const typename Traverser::View& view, std::span<const Ray> rays) {
   std::vector<Hit> expected(rays.size()), hits(rays.size());
   trace_closest<Traverser>(view, rays, expected, 1);
   int threads = 1;
@@ -80,22 +80,22 @@ void expect_cpu_hits(const typename Traverser::View& view, std::span<const Ray> 
 }
 
 TEST(Multipass, HitsAreTheCpusBitForBit) {
-  expect_cpu_hits<ClosestStack>(soup().bvh.view(), soup().rays);
-  expect_cpu_hits<AnyStack>(soup().bvh.view(), soup().rays);
+  expect_multipass_hits<ClosestStack>(multipass_soup().bvh.view(), multipass_soup().rays);
+  expect_multipass_hits<AnyStack>(multipass_soup().bvh.view(), multipass_soup().rays);
 }
 
 // What follows runs as the library has compiled it for each method: here it would be compiled once more.
 class MultipassMethod : public testing::TestWithParam<std::string> {
  protected:
   static AnyAccel build() {
-    Result<AnyAccel> accel = AnyAccel::build(soup().mesh, GetParam());
+    Result<AnyAccel> accel = AnyAccel::build(multipass_soup().mesh, GetParam());
     EXPECT_TRUE(accel) << accel.message();
     return std::move(accel).value();
   }
-  static std::span<const Ray> rays() { return std::span(soup().rays).first(800); }
+  static std::span<const Ray> rays() { return std::span(multipass_soup().rays).first(800); }
 };
 
-void expect_cpu_hits(const AnyAccel& accel, std::span<const Ray> rays, const std::string& test) {
+void expect_multipass_hits(const AnyAccel& accel, std::span<const Ray> rays, const std::string& test) {
   std::vector<Hit> expected(rays.size()), hits(rays.size());
   std::vector<std::uint8_t> expected_any(rays.size());
   ASSERT_TRUE(accel.closest(rays, expected, {.threads = 1, .test = test}));
@@ -117,7 +117,7 @@ TEST_P(MultipassMethod, HitsAreTheCpusWithAllOptions) {
   const AnyAccel accel = build();
   for (const std::string& test : modelled_tests()) {
     SCOPED_TRACE(test);
-    expect_cpu_hits(accel, rays(), test);
+    expect_multipass_hits(accel, rays(), test);
   }
 }
 
@@ -189,7 +189,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, MultipassMethod, testing::ValuesIn(method_name
 });
 
 TEST(Multipass, ProfilesDoNotDependOnThreads) {
-  const Scene& scene = soup();
+  const MultipassScene& scene = multipass_soup();
   for (const MultipassOptions& options : all_options()) {
     const MultipassProfile one = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, options, 1);
     for (const int threads : {2, 3, 0})
@@ -200,10 +200,10 @@ TEST(Multipass, ProfilesDoNotDependOnThreads) {
 
 // N triangles and no tree: N passes of Intersect and one of each transition, whose every figure is known.
 TEST(Multipass, BruteForceByHand) {
-  const auto mesh = make_builtin("soup:20")->mesh;
+  const auto mesh = make_builtin("multipass_soup:20")->mesh;
   const auto list = ListBuilder::build(mesh, {})->structure;
-  std::vector<Ray> rays(soup().rays.begin() + 10, soup().rays.begin() + 50);
-  for (std::size_t i = 0; i < 8; ++i) rays[i] = kDeadRay;  // the first warp keeps 24 rays, the second all of its 8
+  std::vector<Ray> rays(multipass_soup().rays.begin() + 10, multipass_soup().rays.begin() + 50);
+  for (std::size_t i = 0; i < 8; ++i) rays[i] = kRayWithoutDirection;  // the first warp keeps 24 rays, the second all of its 8
   const MultipassProfile p = trace_multipass<ClosestBrute>(list.view(), rays, {}, {}, 1);
   constexpr std::uint64_t kState = sizeof(ClosestBrute::State);
   const std::uint64_t triangles = mesh.size();
@@ -232,7 +232,7 @@ TEST(Multipass, BruteForceByHand) {
 }
 
 TEST(Multipass, CompactionChangesWhatPassesRunOverAndNothingElse) {
-  const Scene& scene = soup();
+  const MultipassScene& scene = multipass_soup();
   for (const MultipassRule rule : kRules) {
     const auto masked = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.rule = rule}, 2);
     const auto compact = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.rule = rule, .compact = true}, 2);
@@ -255,7 +255,7 @@ TEST(Multipass, CompactionChangesWhatPassesRunOverAndNothingElse) {
 
 // Stacks stay where they are: their entries are moved, not all of them in every pass.
 TEST(Multipass, StacksCostTheirEntries) {
-  const Scene& scene = soup();
+  const MultipassScene& scene = multipass_soup();
   const Counters counters = count_rays<ClosestStack>(scene.bvh.view(), scene.rays, {}, 1);
   const MultipassProfile p = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {}, 1);
   constexpr std::uint64_t kCarried = sizeof(ClosestStack::State) + sizeof(Hit);
@@ -269,7 +269,7 @@ TEST(Multipass, StacksCostTheirEntries) {
 }
 
 TEST(Multipass, BatchesBoundTheMemory) {
-  const Scene& scene = soup();
+  const MultipassScene& scene = multipass_soup();
   const auto profile = [&](std::uint32_t batch_size) {
     return trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.batch_size = batch_size}, 1);
   };
@@ -285,7 +285,7 @@ TEST(Multipass, BatchesBoundTheMemory) {
 }
 
 TEST(Multipass, FewerSwitchesWhereKernelsAreDrained) {
-  const Scene& scene = soup();
+  const MultipassScene& scene = multipass_soup();
   const auto profile = [&](MultipassRule rule) {
     return trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.rule = rule}, 1);
   };
@@ -296,7 +296,7 @@ TEST(Multipass, FewerSwitchesWhereKernelsAreDrained) {
 
 TEST(Multipass, NoRaysNoPasses) {
   for (const bool compact : {false, true}) {
-    const MultipassProfile p = trace_multipass<ClosestStack>(soup().bvh.view(), {}, {}, {.compact = compact}, 1);
+    const MultipassProfile p = trace_multipass<ClosestStack>(multipass_soup().bvh.view(), {}, {}, {.compact = compact}, 1);
     EXPECT_TRUE(same_profile(p, MultipassProfile{}));
     EXPECT_EQ(p.total().utilisation(), 1.0);
   }

@@ -11,11 +11,11 @@
 namespace accel {
 namespace {
 
-struct Scene {
+struct LocalizedScene {
   Bvh2 tree;
   test::TaskArrays arrays;
 };
-Scene make_scene(const char* name) {
+LocalizedScene make_scene(const char* name) {
   const auto scene = make_builtin(name);
   EXPECT_TRUE(scene) << scene.message();
   Bvh2 tree = test::octo_tree(scene->mesh);
@@ -25,14 +25,14 @@ Scene make_scene(const char* name) {
 
 // The tests that the rays make one by one.
 template <Query kQuery>
-Counters count_alone(const Scene& scene) {
+Counters count_alone(const LocalizedScene& scene) {
   CountingObserver observer;
   for (const LocalizedTask& task : scene.arrays.tasks) scene.arrays.alone<kQuery>(scene.tree, task, observer);
   return observer.counters;
 }
 
 template <Query kQuery>
-WarpProfile simulate(const Scene& scene, std::uint32_t rays_per_warp = 1024) {
+WarpProfile simulate(const LocalizedScene& scene, std::uint32_t rays_per_warp = 1024) {
   std::vector<Hit> hits(scene.arrays.rays.size());
   return simulate_localized<Watertight, kQuery, kLocalizedRaysInHand>(scene.arrays.view(scene.tree), hits.data(),
                                                                       rays_per_warp);
@@ -40,7 +40,7 @@ WarpProfile simulate(const Scene& scene, std::uint32_t rays_per_warp = 1024) {
 
 // Rays that hit nothing test the same boxes and triangles in any order: every pair of a ray and a leaf once.
 template <Query kQuery>
-void expect_every_test_once(Scene scene) {
+void expect_every_test_once(LocalizedScene scene) {
   std::vector<LocalizedTask> misses;
   NullObserver observer;
   for (const LocalizedTask& task : scene.arrays.tasks)
@@ -63,7 +63,7 @@ TEST(SimtLocalized, RaysThatMissMakeEveryTestOnce) {
 
 // Others make as many, and a few more; no more boxes than there are.
 template <Query kQuery>
-void expect_no_test_is_left_out(const Scene& scene) {
+void expect_no_test_is_left_out(const LocalizedScene& scene) {
   const Counters alone = count_alone<kQuery>(scene);
   std::uint64_t all = 0;
   for (const LocalizedTask& task : scene.arrays.tasks)
@@ -88,7 +88,7 @@ TEST(SimtLocalized, NoTestIsLeftOut) {
 
 // One ray alone: one lane of 32, and the steps are its tests.
 TEST(SimtLocalized, OneRayIsOneLane) {
-  Scene scene = make_scene("soup:500");
+  LocalizedScene scene = make_scene("soup:500");
   scene.arrays.tasks.resize(1);
   const Counters alone = count_alone<Query::closest>(scene);
   const WarpProfile p = simulate<Query::closest>(scene);
@@ -101,7 +101,7 @@ TEST(SimtLocalized, OneRayIsOneLane) {
 
 // Copies of one ray fill all lanes, whichever packet they are said to be in, as long as there are rays to fetch.
 TEST(SimtLocalized, LanesAreAtWorkOnRaysOfAnyPacket) {
-  Scene scene = make_scene("soup:2000");
+  LocalizedScene scene = make_scene("soup:2000");
   const SimtProfile together = simulate<Query::closest>(scene, 1u << 20).simt, apart = simulate<Query::closest>(scene, 32).simt;
   EXPECT_GT(together.efficiency(), 0.95);
   EXPECT_LT(apart.efficiency(), together.efficiency());
@@ -111,7 +111,7 @@ TEST(SimtLocalized, LanesAreAtWorkOnRaysOfAnyPacket) {
 
 // What this is for: any-hit rays in packets, as lanes that are rays trace them, need more steps.
 TEST(SimtLocalized, FewerStepsThanARayALane) {
-  const Scene scene = make_scene("colonnade:3000");
+  const LocalizedScene scene = make_scene("colonnade:3000");
   SimtProfile by_ray;
   for (std::size_t first = 0; first < scene.arrays.tasks.size();) {
     const std::uint32_t active = scene.arrays.tasks[first].active, places = scene.arrays.firsts[active];

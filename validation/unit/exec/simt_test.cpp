@@ -44,7 +44,7 @@ TriangleMesh stacked_triangles(std::uint32_t count) {
   return mesh;
 }
 
-struct Scene {
+struct SoupAndRays {
   TriangleMesh mesh;
   Bvh2 bvh;
   TriangleList list;
@@ -52,9 +52,9 @@ struct Scene {
 };
 
 // A triangle soup and random rays, which diverge; built once.
-const Scene& soup() {
-  static const Scene scene = [] {
-    Scene s;
+const SoupAndRays& soup() {
+  static const SoupAndRays scene = [] {
+    SoupAndRays s;
     s.mesh = make_builtin("soup:2000")->mesh;
     s.bvh = BinnedSah::build(s.mesh, {})->structure;
     s.list = ListBuilder::build(s.mesh, {})->structure;
@@ -71,7 +71,7 @@ bool same_bytes(std::span<const Hit> a, std::span<const Hit> b) {
 bool same_profile(const SimtProfile& a, const SimtProfile& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 TEST(Simt, IdenticalRaysKeepAllLanesBusy) {
-  const Scene& scene = soup();
+  const SoupAndRays& scene = soup();
   const std::vector<Ray> rays(32, scene.rays[0]);
   for (const SimtSchedule schedule : kSchedules) {
     const SimtProfile p = simulate_simt<ClosestStack>(scene.bvh.view(), rays, {}, {.schedule = schedule}, 1);
@@ -96,7 +96,7 @@ TEST(Simt, IdenticalRaysKeepAllLanesBusy) {
 }
 
 TEST(Simt, OneLaneOfThirtyTwo) {
-  const Scene& scene = soup();
+  const SoupAndRays& scene = soup();
   std::vector<Ray> rays(32, kDeadRay);
   rays[13] = scene.rays[0];
   for (const SimtSchedule schedule : kSchedules) {
@@ -191,7 +191,7 @@ TEST(Simt, HitsAreTheCpusInEveryScheduleAndMethod) {
 }
 
 TEST(Simt, StepsAndBytesAreWhatTheRaysCost) {
-  const Scene& scene = soup();
+  const SoupAndRays& scene = soup();
   const Counters counters = count_rays<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, 1);
   for (const SimtSchedule schedule :
        {SimtSchedule::while_while, SimtSchedule::if_if, SimtSchedule::persistent_while_while, SimtSchedule::if_while}) {
@@ -209,7 +209,7 @@ TEST(Simt, StepsAndBytesAreWhatTheRaysCost) {
 }
 
 TEST(Simt, SpeculationFillsTheSearchAndCostsTests) {
-  const Scene& scene = soup();
+  const SoupAndRays& scene = soup();
   const auto run = [&](SimtSchedule schedule) {
     return simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, {.schedule = schedule}, 1);
   };
@@ -222,7 +222,7 @@ TEST(Simt, SpeculationFillsTheSearchAndCostsTests) {
 
 TEST(Simt, TraversersThatCannotSpeculateRunWhileWhile) {
   static_assert(SpeculativeTraverser<ClosestStack> && !SpeculativeTraverser<ClosestBrute>);
-  const Scene& scene = soup();
+  const SoupAndRays& scene = soup();
   const auto rays = scene.rays.span().first(64);
   const auto plain = simulate_simt<ClosestBrute>(scene.list.view(), rays, {}, {.schedule = SimtSchedule::while_while}, 1);
   const auto speculative =
@@ -231,7 +231,7 @@ TEST(Simt, TraversersThatCannotSpeculateRunWhileWhile) {
 }
 
 TEST(Simt, FetchingKeepsMoreLanesBusyThanWaiting) {
-  const Scene& scene = soup();
+  const SoupAndRays& scene = soup();
   const auto run = [&](SimtSchedule schedule) {
     return simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, {.schedule = schedule}, 1);
   };
@@ -239,7 +239,7 @@ TEST(Simt, FetchingKeepsMoreLanesBusyThanWaiting) {
 }
 
 TEST(Simt, ProfilesDoNotDependOnThreads) {
-  const Scene& scene = soup();
+  const SoupAndRays& scene = soup();
   for (const SimtSchedule schedule : kSchedules) {
     const SimtOptions options{.schedule = schedule, .rays_per_warp = 64};
     const SimtProfile one = simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, options, 1);

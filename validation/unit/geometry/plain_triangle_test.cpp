@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/geometry/mesh_facts.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
@@ -63,7 +63,6 @@ TEST(PlainTriangle, AnyExponentsNeverContradictTheExactAnswer) {
 }
 
 TEST(PlainTriangle, WhatIsOutOfRangeIsNotPlain) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNaN = std::numeric_limits<float>::quiet_NaN();
   const float beyond = std::nextafter(kMaxCoordinate, kInfinity);
   for (const float bad : {kNaN, kInfinity, -kInfinity, beyond, -beyond, 3e38f})
     for (int corner = 0; corner < 3; ++corner)

@@ -11,11 +11,11 @@
 #include "libaccel/trace/traverser.h"
 #include "validation/oracle/exact_predicates.h"
 #include "validation/stress/hostile_floats.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const PackedTriangle kTriangle = pack({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 7);
 
 bool same_bits(float a, float b) {

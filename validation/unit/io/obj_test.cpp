@@ -28,11 +28,12 @@ void expect_triangle(const TriangleMesh& mesh, std::size_t i, std::uint32_t v0, 
   EXPECT_EQ(mesh.triangles[i].v2, v2) << i;
 }
 
-constexpr char kSquare[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+constexpr char kSquareVertices[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST(Obj, EverySpellingOfCorners) {
-  const TriangleMesh mesh = parsed(
-      std::string(kSquare) + "vn 0 0 1\nvt 0 0\nf 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 4//1\nf 1/1/1 3/1/1 4/1/1\nf -4 -3 -1\n");
+  const TriangleMesh mesh =
+      parsed(std::string(kSquareVertices) +
+             "vn 0 0 1\nvt 0 0\nf 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 4//1\nf 1/1/1 3/1/1 4/1/1\nf -4 -3 -1\n");
   ASSERT_EQ(mesh.size(), 5u);
   expect_triangle(mesh, 0, 0, 1, 2);
   expect_triangle(mesh, 1, 0, 1, 2);
@@ -42,7 +43,7 @@ TEST(Obj, EverySpellingOfCorners) {
 }
 
 TEST(Obj, PolygonsTakeConsecutiveNumbers) {
-  const TriangleMesh mesh = parsed(std::string(kSquare) + "f 1 2 3\nf 1 2\nf 1 2 3 4\nf 4 3 2\n");
+  const TriangleMesh mesh = parsed(std::string(kSquareVertices) + "f 1 2 3\nf 1 2\nf 1 2 3 4\nf 4 3 2\n");
   ASSERT_EQ(mesh.size(), 4u);
   expect_triangle(mesh, 1, 0, 1, 2);
   expect_triangle(mesh, 2, 0, 2, 3);
@@ -68,7 +69,7 @@ TEST(Obj, BlanksLineEndsAndComments) {
     ASSERT_EQ(mesh.size(), 1u);
     expect_triangle(mesh, 0, 0, 1, 2);
   }
-  EXPECT_EQ(parsed(std::string(kSquare) + "f 1 2 3").size(), 1u);  // no line end at all
+  EXPECT_EQ(parsed(std::string(kSquareVertices) + "f 1 2 3").size(), 1u);  // no line end at all
 }
 
 TEST(Obj, LinesAreContinued) {
@@ -89,14 +90,14 @@ TEST(Obj, LinesAreContinued) {
 }
 
 TEST(Obj, AByteOrderMarkIsPassedOver) {
-  const TriangleMesh mesh = parsed(std::string("\xef\xbb\xbf") + kSquare + "f 1 2 3\n");
+  const TriangleMesh mesh = parsed(std::string("\xef\xbb\xbf") + kSquareVertices + "f 1 2 3\n");
   EXPECT_EQ(mesh.vertices.size(), 4u);
   EXPECT_EQ(mesh.size(), 1u);
 }
 
 TEST(Obj, FacesWithoutTrianglesAreCounted) {
   std::uint64_t skipped = 0;
-  const std::string text = std::string(kSquare) + "f 1 2 3\nf 1 2\nf 1 # 2 3\n";
+  const std::string text = std::string(kSquareVertices) + "f 1 2 3\nf 1 2\nf 1 # 2 3\n";
   ASSERT_TRUE(parse_obj(std::as_bytes(std::span(text)), "a.obj", {.skipped_faces = &skipped}));
   EXPECT_EQ(skipped, 2u);
 }
@@ -132,7 +133,7 @@ TEST(Obj, DecimalsOfFloatsAreExact) {
 }
 
 TEST(Obj, ErrorsNameTheLine) {
-  const std::string square = kSquare;
+  const std::string square = kSquareVertices;
   expect_error("", "neither vertices nor faces");
   expect_error("PK\x03\x04 this is a zip file", "neither vertices nor faces");
   expect_error("v 0 0 0\nv 1 two 0\n", "a.obj:2: 'two' is not a number");
@@ -159,7 +160,7 @@ TEST(Obj, ErrorsNameTheLine) {
 }
 
 TEST(Obj, CanBeInterrupted) {
-  std::string text = kSquare;
+  std::string text = kSquareVertices;
   for (int i = 0; i < 10000; ++i) text += "f 1 2 3\n";
   const Result<TriangleMesh> mesh =
       parse_obj(std::as_bytes(std::span(text)), "a.obj", {[](std::string_view, double) { return false; }});

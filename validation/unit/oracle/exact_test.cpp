@@ -5,6 +5,7 @@
 
 #include "libaccel/core/float_bounds.h"
 #include "validation/unit/compare/test_scenes.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel::validation {
 namespace {
@@ -12,9 +13,6 @@ namespace {
 using test::make_mesh;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 Ray ray_to(Vec3 org, Vec3 dir, float t_min = 0, float t_max = kInfinity) { return {org, t_min, dir, t_max}; }
 
@@ -103,14 +101,14 @@ TEST(ExactOracle, BadRaysAndVerticesMiss) {
   const ExactOracle oracle(test::square());
   const Vec3 org{0.75f, 0.25f, 1}, dir{0, 0, -1};
   EXPECT_TRUE(oracle.any(ray_to(org, dir)));
-  for (const Ray& bad : {ray_to({kNan, 0, 0}, dir), ray_to(org, {0, 0, 0}), ray_to(org, {0, 0, -kInfinity}),
-                         ray_to(org, dir, 2, 1), ray_to(org, dir, kNan), ray_to(org, dir, 0, kNan), ray_to(org, dir, -2, -1)}) {
+  for (const Ray& bad : {ray_to({kNaN, 0, 0}, dir), ray_to(org, {0, 0, 0}), ray_to(org, {0, 0, -kInfinity}),
+                         ray_to(org, dir, 2, 1), ray_to(org, dir, kNaN), ray_to(org, dir, 0, kNaN), ray_to(org, dir, -2, -1)}) {
     EXPECT_FALSE(oracle.closest(bad).valid());
     EXPECT_FALSE(oracle.any(bad));
     EXPECT_THAT(oracle.near(bad, 1, kInfinity), IsEmpty());
   }
   const ExactOracle broken(
-      make_mesh({{0, 0, 0}, {2, 0, 0}, {0, kNan, 0}, {0, 2, 0}, {0, 1e19f, 0}}, {{0, 1, 2}, {0, 1, 4}, {0, 1, 3}}));
+      make_mesh({{0, 0, 0}, {2, 0, 0}, {0, kNaN, 0}, {0, 2, 0}, {0, 1e19f, 0}}, {{0, 1, 2}, {0, 1, 4}, {0, 1, 3}}));
   EXPECT_THAT(broken.closest(ray_to({0.5f, 0.5f, 1}, dir)).prims, ElementsAre(2));
   EXPECT_FALSE(broken.point(ray_to({0.5f, 0.5f, 1}, dir), 1));
   EXPECT_FALSE(ExactOracle(TriangleMesh{}).any(ray_to(org, dir)));

@@ -10,7 +10,7 @@ namespace {
 using test::Pairs;
 
 template <class Tree, class Children>
-Pairs traverse(const Bvh2& tree, const std::vector<Frustum>& frustums) {
+Pairs traverse_depth_first(const Bvh2& tree, const std::vector<Frustum>& frustums) {
   DepthFirst<Tree, Children> traversal;
   traversal.run(tree.view(), frustums.data(), 1);  // what is left of it is forgotten
   const auto& leaves = traversal.run(tree.view(), frustums.data(), frustums.size());
@@ -26,9 +26,10 @@ TEST(DepthFirst, FindsWhatARecursiveWalkFindsInTheSameOrder) {
     if (tree.octo.empty()) continue;
     const std::vector<Frustum> frustums = test::frustums_for(mesh, tree.bounds, 5);
     const Pairs octo = test::walk<OctoTree>(tree, frustums);
-    EXPECT_EQ((traverse<OctoTree, ScalarChildren<OctoTree>>(tree, frustums)), octo) << name;
-    EXPECT_EQ((traverse<OctoTree, SimdChildren>(tree, frustums)), octo) << name;
-    EXPECT_EQ((traverse<BinaryTree, ScalarChildren<BinaryTree>>(tree, frustums)), test::walk<BinaryTree>(tree, frustums))
+    EXPECT_EQ((traverse_depth_first<OctoTree, ScalarChildren<OctoTree>>(tree, frustums)), octo) << name;
+    EXPECT_EQ((traverse_depth_first<OctoTree, SimdChildren>(tree, frustums)), octo) << name;
+    EXPECT_EQ((traverse_depth_first<BinaryTree, ScalarChildren<BinaryTree>>(tree, frustums)),
+              test::walk<BinaryTree>(tree, frustums))
         << name;
     found += octo.size();
   }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "validation/unit/packet/packets_on_targets.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
@@ -29,7 +30,7 @@ TEST(FrustumsSimd, FrustumsAreThoseOfTheScalarTwin) {
 // Every kind of number that a coordinate of a direction can be, in all places, and rays that are none; not a whole number of
 // vectors.
 std::vector<Ray> rays_of_all_faces() {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kLeast = std::numeric_limits<float>::min();
+  constexpr float kLeast = std::numeric_limits<float>::min();
   const float all[] = {0.0f,   -0.0f,   1,         -1,         0.5f,  kLeast,     -kLeast,
                        1e-40f, -1e-45f, 1.844e18f, -1.844e18f, 2e18f, -kInfinity, std::nanf("")};
   std::vector<Ray> rays = validation::invalid_rays();

@@ -13,7 +13,7 @@
 namespace accel {
 namespace {
 
-std::vector<Ray> rays_for(const TriangleMesh& mesh, const Aabb& bounds) {
+std::vector<Ray> pipeline_rays(const TriangleMesh& mesh, const Aabb& bounds) {
   std::vector<Ray> rays;
   for (const auto& packet : test::packets_for(mesh, bounds, 4)) rays.insert(rays.end(), packet.begin(), packet.end());
   const auto hostile = validation::stress_rays(mesh, 500, 6);  // some have no face, some cannot be traced
@@ -48,7 +48,7 @@ TEST(PacketPipeline, HitsAreThoseOfSingleRays) {
   for (const auto& [name, mesh] : validation::stress_scenes()) {
     SCOPED_TRACE(name);
     const Bvh2 tree = test::octo_tree(mesh);
-    const std::vector<Ray> rays = rays_for(mesh, tree.bounds);
+    const std::vector<Ray> rays = pipeline_rays(mesh, tree.bounds);
     for (const PipelineOptions& options :
          {PipelineOptions{}, PipelineOptions{.cell_fraction = 0.5f, .max_size = 37, .min_size = 8, .budget = 20}}) {
       expect_single_hits<PacketPipeline<Query::closest>, Query::closest>(tree, rays, options);
@@ -87,7 +87,7 @@ TEST(PacketPipeline, EveryStageTakesTime) {
   const auto scenes = validation::stress_scenes();
   const TriangleMesh& mesh = scenes.back().mesh;
   const Bvh2 tree = test::octo_tree(mesh);
-  const std::vector<Ray> rays = rays_for(mesh, tree.bounds);
+  const std::vector<Ray> rays = pipeline_rays(mesh, tree.bounds);
   std::vector<Hit> hits(rays.size());
   PacketPipeline<Query::closest> pipeline(tree.view(), {.min_size = 4});
   pipeline.trace(rays, hits, [&](const Ray& ray) { return trace_singly<Query::closest>(tree.view(), ray); });

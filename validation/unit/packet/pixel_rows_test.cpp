@@ -12,8 +12,7 @@
 namespace accel {
 namespace {
 
-std::vector<Ray> picture(std::uint32_t width, std::uint32_t height, PixelOrder order = PixelOrder::rows,
-                         std::uint32_t spp = 1) {
+std::vector<Ray> pixels(std::uint32_t width, std::uint32_t height, PixelOrder order = PixelOrder::rows, std::uint32_t spp = 1) {
   const float vfov = 0.125f * static_cast<float>(height);  // pixels are as large as those of usual pictures
   const Camera camera = Camera::make({{1, 2, 3}, {0, 0, -1}, {0, 1, 0}, vfov, ""}, width, height).value();
   const RaySet set = primary_rays(camera, spp, 1, order).value();
@@ -24,7 +23,7 @@ PixelRows rows_of(const std::vector<Ray>& rays) { return find_rows(rays, 0.1f); 
 
 TEST(PixelRows, AreThoseOfThePicture) {
   for (const std::uint32_t width : {128u, 200u, 333u, 640u, 1366u}) {
-    const std::vector<Ray> rays = picture(width, 24);
+    const std::vector<Ray> rays = pixels(width, 24);
     EXPECT_EQ(rows_of(rays).length, width);
     EXPECT_EQ(rows_of(rays).first, 0u);
     // From the middle of a row on, as blocks of a batch begin.
@@ -37,7 +36,7 @@ TEST(PixelRows, AreThoseOfThePicture) {
 }
 
 TEST(PixelRows, MayLackRays) {
-  const std::vector<Ray> whole = picture(640, 40);
+  const std::vector<Ray> whole = pixels(640, 40);
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < whole.size(); ++i)
     if (i % 1000 != 7) rays.push_back(whole[i]);
@@ -47,7 +46,7 @@ TEST(PixelRows, MayLackRays) {
 }
 
 TEST(PixelRows, MayHaveRaysThatNothingCanTrace) {
-  std::vector<Ray> rays = picture(640, 40);
+  std::vector<Ray> rays = pixels(640, 40);
   for (std::size_t i = 5; i < rays.size(); i += 501) rays[i].dir = {};
   for (std::size_t i = 9; i < rays.size(); i += 1001) rays[i].org.x = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(rows_of(rays).length, 640u);
@@ -55,7 +54,7 @@ TEST(PixelRows, MayHaveRaysThatNothingCanTrace) {
 
 // Rays from a floor to a light: origins tell of rows there, and directions hardly.
 TEST(PixelRows, AreFoundAmongShadowRays) {
-  std::vector<Ray> rays = picture(640, 40);
+  std::vector<Ray> rays = pixels(640, 40);
   for (Ray& ray : rays) {
     const Vec3 at = ray.org + ray.dir * std::fabs(3 / ray.dir.z);
     ray = {.org = at, .dir = Vec3{2, 9, 1} - at, .t_max = 1};
@@ -66,10 +65,10 @@ TEST(PixelRows, AreFoundAmongShadowRays) {
 TEST(PixelRows, AreNotFoundWhereThereAreNone) {
   EXPECT_EQ(rows_of({}).length, 0u);
   EXPECT_EQ(rows_of(std::vector<Ray>(5000, Ray{.org = {}, .dir = {0, 0, 1}})).length, 0u) << "all rays are one";
-  EXPECT_EQ(rows_of(picture(640, 4)).length, 0u) << "too few rows";
-  EXPECT_EQ(rows_of(picture(64, 64)).length, 0u) << "rows are short";
-  EXPECT_EQ(rows_of(picture(256, 256, PixelOrder::z_curve)).length, 0u);
-  EXPECT_EQ(rows_of(picture(64, 64, PixelOrder::rows, 16)).length, 0u) << "samples of a pixel are no row";
+  EXPECT_EQ(rows_of(pixels(640, 4)).length, 0u) << "too few rows";
+  EXPECT_EQ(rows_of(pixels(64, 64)).length, 0u) << "rows are short";
+  EXPECT_EQ(rows_of(pixels(256, 256, PixelOrder::z_curve)).length, 0u);
+  EXPECT_EQ(rows_of(pixels(64, 64, PixelOrder::rows, 16)).length, 0u) << "samples of a pixel are no row";
   CounterRng rng(1, 0);
   std::vector<Ray> rays(20'000);
   for (Ray& ray : rays) ray = {.org = {}, .dir = {rng.next_float(-1, 1), rng.next_float(-1, 1), rng.next_float(-1, 1)}};

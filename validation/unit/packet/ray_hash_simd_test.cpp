@@ -4,19 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "libaccel/core/counter_rng.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/unit/packet/packets_on_targets.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
 // In all directions, in the box of the hash and around it; and what no ray should be.
 std::vector<Ray> rays_of_all_kinds() {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   CounterRng rng(5, 0);
   const auto coordinate = [&] { return 3 * rng.next_float() - 1.5f; };
   std::vector<Ray> rays = validation::invalid_rays();

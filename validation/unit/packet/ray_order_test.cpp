@@ -13,7 +13,7 @@
 namespace accel {
 namespace {
 
-const Aabb kBox{{0, 0, 0}, {1, 1, 1}};
+const Aabb kUnitBox{{0, 0, 0}, {1, 1, 1}};
 
 std::vector<Ray> random_rays(std::size_t n) {
   CounterRng rng(1, n);
@@ -30,7 +30,7 @@ TEST(RayOrder, IsAPermutationThatGatherAndScatterFollow) {
   rays[7] = {.org = {nan, nan, nan}, .dir = {nan, 0, nan}};
   rays[8] = {.org = {0, 0, 0}, .dir = {0, 0, 0}};
   for (const RaySort sort : kRaySorts) {
-    const RayOrder order = order_rays(rays, kBox, {.sort = sort}).value();
+    const RayOrder order = order_rays(rays, kUnitBox, {.sort = sort}).value();
     std::vector<std::uint32_t> sorted(order.ids.begin(), order.ids.end());
     std::sort(sorted.begin(), sorted.end());
     for (std::uint32_t i = 0; i < rays.size(); ++i) ASSERT_EQ(sorted[i], i) << name_of(sort);
@@ -52,9 +52,9 @@ TEST(RayOrder, IsAPermutationThatGatherAndScatterFollow) {
 TEST(RayOrder, IsTheSameForAnyNumberOfThreads) {
   const std::vector<Ray> rays = random_rays(50000);
   for (const RaySort sort : kRaySorts) {
-    const RayOrder one = order_rays(rays, kBox, {.sort = sort, .threads = 1}).value();
+    const RayOrder one = order_rays(rays, kUnitBox, {.sort = sort, .threads = 1}).value();
     for (const int threads : {2, 3}) {
-      const RayOrder other = order_rays(rays, kBox, {.sort = sort, .threads = threads}).value();
+      const RayOrder other = order_rays(rays, kUnitBox, {.sort = sort, .threads = threads}).value();
       EXPECT_TRUE(std::ranges::equal(one.ids, other.ids)) << name_of(sort);
     }
   }
@@ -73,13 +73,13 @@ TEST(RayOrder, MakesNeighboursOfNearRays) {
   };
   const double before = mean_step([](std::size_t i) { return i; });
   for (const RaySort sort : kRaySorts) {
-    const RayOrder order = order_rays(rays, kBox, {.sort = sort, .cell_fraction = 0.05f}).value();
+    const RayOrder order = order_rays(rays, kUnitBox, {.sort = sort, .cell_fraction = 0.05f}).value();
     EXPECT_LT(mean_step([&](std::size_t i) { return order.ids[i]; }), 0.3 * before) << name_of(sort);
   }
 }
 
 TEST(RayOrder, OfNothing) {
-  for (const RaySort sort : kRaySorts) EXPECT_TRUE(order_rays({}, kBox, {.sort = sort}).value().ids.empty());
+  for (const RaySort sort : kRaySorts) EXPECT_TRUE(order_rays({}, kUnitBox, {.sort = sort}).value().ids.empty());
 }
 
 TEST(RayOrder, NamesAreParsed) {

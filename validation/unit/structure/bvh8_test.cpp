@@ -16,24 +16,25 @@
 #include "libaccel/structure/bvh8_stats.h"
 #include "libaccel/trace/bvh8_ordered.h"
 #include "validation/unit/build/test_meshes.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
-constexpr std::uint64_t kTriangles = 300;
+constexpr std::uint64_t kBvh8Triangles = 300;
 
 // A fresh valid tree.
-Bvh8 valid_tree() {
-  Result<Built<Bvh8>> built = WideSbvh::build(test::soup(kTriangles, 0.2f), {});
+Bvh8 valid_bvh8() {
+  Result<Built<Bvh8>> built = WideSbvh::build(test::soup(kBvh8Triangles, 0.2f), {});
   EXPECT_TRUE(built.ok());
   return std::move(built->structure);
 }
 
 // What validate() says about a tree that `corrupt` has changed; empty when it finds nothing.
 std::string complaint(const std::function<void(Bvh8&)>& corrupt) {
-  Bvh8 bvh = valid_tree();
+  Bvh8 bvh = valid_bvh8();
   corrupt(bvh);
-  const Status status = validate(bvh, kTriangles);
+  const Status status = validate(bvh, kBvh8Triangles);
   return status ? "" : status.message();
 }
 
@@ -133,7 +134,7 @@ TEST(ValidateBvh8, Children) {
 }
 
 TEST(ValidateBvh8, Triangles) {
-  EXPECT_NE(complaint([](Bvh8& b) { b.blocks[0].prim_id[0] = kTriangles; }), "");
+  EXPECT_NE(complaint([](Bvh8& b) { b.blocks[0].prim_id[0] = kBvh8Triangles; }), "");
   EXPECT_NE(complaint([](Bvh8& b) { b.blocks[0].clear(0); }), "");
   EXPECT_NE(complaint([](Bvh8& b) { find_open_block(b).prim_id[kBlockLanes - 1] = 0; }), "") << "a gap, or one too many";
   EXPECT_NE(complaint([](Bvh8& b) { find_open_block(b).vertex[2][1][kBlockLanes - 1] = 0; }), "") << "no prim_id";
@@ -150,26 +151,26 @@ TEST(ValidateBvh8, SurvivesRandomDamage) {
   CounterRng rng(7, 0);
   std::size_t accepted = 0;
   for (int trial = 0; trial < 2000; ++trial) {
-    Bvh8 bvh = valid_tree();
+    Bvh8 bvh = valid_bvh8();
     Bvh8::for_each_array(bvh, [&](std::string_view, auto& array) {
       auto* const words = reinterpret_cast<std::uint32_t*>(array.data());
       const auto size = static_cast<std::uint32_t>(array.size_bytes() / 4);
       if (rng.next_below(2) == 0) words[rng.next_below(size)] ^= 1u << rng.next_below(32);
     });
-    if (!validate(bvh, kTriangles)) continue;
+    if (!validate(bvh, kBvh8Triangles)) continue;
     ++accepted;
     NullObserver observer;
     const Hit hit = trace_ray<Bvh8Ordered<Watertight, Query::closest>>(bvh.view(), {{-3, 0.1f, 0.2f}, 0, {1, 0, 0}}, observer);
-    EXPECT_TRUE(!hit.valid() || hit.prim_id < kTriangles);
+    EXPECT_TRUE(!hit.valid() || hit.prim_id < kBvh8Triangles);
   }
   EXPECT_GT(accepted, 100u);
 }
 
 // What validate() says about a compact tree that `corrupt` has changed.
 std::string compact_complaint(const std::function<void(Bvh8Compact&)>& corrupt) {
-  Bvh8Compact bvh = CompactWideSbvh::build(test::soup(kTriangles, 0.2f), {})->structure;
+  Bvh8Compact bvh = CompactWideSbvh::build(test::soup(kBvh8Triangles, 0.2f), {})->structure;
   corrupt(bvh);
-  const Status status = validate(bvh, kTriangles);
+  const Status status = validate(bvh, kBvh8Triangles);
   return status ? "" : status.message();
 }
 
@@ -188,14 +189,14 @@ TEST(ValidateBvh8Compact, Vertices) {
   EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { open_block(b).vertex[0][kLast] = open_block(b).vertex[0][0]; }), "")
       << "not NaN";
   EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { b.vertices[open_block(b).vertex[1][kLast]].y = 0; }), "");
-  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { open_block(b).prim_id[kLast] = kTriangles; }), "");
+  EXPECT_NE(compact_complaint([&](Bvh8Compact& b) { open_block(b).prim_id[kLast] = kBvh8Triangles; }), "");
   EXPECT_NE(compact_complaint([](Bvh8Compact& b) { b.vertices.truncate(b.vertices.size() - 1); }), "");
   EXPECT_NE(compact_complaint([](Bvh8Compact& b) { b.vertices = {}; }), "");
   EXPECT_TRUE(validate(Bvh8Compact{}, 0).ok());
 }
 
 TEST(ValidateBvh8Compact, SurvivesRandomDamage) {
-  const Bvh8Compact intact = CompactWideSbvh::build(test::soup(kTriangles, 0.2f), {})->structure;
+  const Bvh8Compact intact = CompactWideSbvh::build(test::soup(kBvh8Triangles, 0.2f), {})->structure;
   CounterRng rng(8, 0);
   std::size_t accepted = 0;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -206,12 +207,12 @@ TEST(ValidateBvh8Compact, SurvivesRandomDamage) {
       const auto size = static_cast<std::uint32_t>(array.size_bytes() / 4);
       if (rng.next_below(2) == 0) words[rng.next_below(size)] ^= 1u << rng.next_below(32);
     });
-    if (!validate(bvh, kTriangles)) continue;
+    if (!validate(bvh, kBvh8Triangles)) continue;
     ++accepted;
     const std::vector<Ray> rays(9, {{-3, 0.1f, 0.2f}, 0, {1, 0, 0}});
     std::vector<Hit> hits(rays.size());
     trace_bvh8_simd<CompactBvh8Node, PaddedSlabs, Watertight>(bvh.view(), rays, hits);
-    EXPECT_TRUE(!hits[0].valid() || hits[0].prim_id < kTriangles);
+    EXPECT_TRUE(!hits[0].valid() || hits[0].prim_id < kBvh8Triangles);
   }
   EXPECT_GT(accepted, 100u);
 }
@@ -222,7 +223,6 @@ TEST(ValidateBvh8, ALongChainDoesNotOverflowTheStack) {
   const Triangle triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Bvh8 small = WideSbvh::build(test::soup(40, 0.1f), {.max_leaf_size = 1})->structure;
   Bvh8Node node = small.nodes[0];
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (std::uint32_t c = 0; c < kBvh8Arity; ++c)
     node.set_child(c, kNoNode, {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}});
   Bvh8 bvh;

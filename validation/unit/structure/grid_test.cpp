@@ -13,11 +13,11 @@
 namespace accel {
 namespace {
 
-constexpr std::uint64_t kTriangles = 200;
+constexpr std::uint64_t kGridTriangles = 200;
 
 // A fresh valid grid.
 Grid valid_grid() {
-  Result<Built<Grid>> built = GridBuilder::build(test::soup(kTriangles, 0.2f), {});
+  Result<Built<Grid>> built = GridBuilder::build(test::soup(kGridTriangles, 0.2f), {});
   EXPECT_TRUE(built.ok());
   return std::move(built->structure);
 }
@@ -26,7 +26,7 @@ Grid valid_grid() {
 std::string complaint(const std::function<void(Grid&)>& corrupt) {
   Grid grid = valid_grid();
   corrupt(grid);
-  const Status status = validate(grid, kTriangles);
+  const Status status = validate(grid, kGridTriangles);
   return status ? "" : status.message();
 }
 
@@ -81,7 +81,7 @@ TEST(ValidateGrid, References) {
   const auto last = [](Grid& g) -> std::uint32_t& { return g.leaves.references[g.leaves.references.size() - 1]; };
   EXPECT_NE(complaint([&](Grid& g) { last(g) &= ~kLastReference; }), "") << "no end";
   EXPECT_NE(complaint([](Grid& g) { g.leaves.references.truncate(g.leaves.references.size() - 1); }), "");
-  EXPECT_NE(complaint([&](Grid& g) { last(g) = kTriangles | kLastReference; }), "") << "a slot that is not there";
+  EXPECT_NE(complaint([&](Grid& g) { last(g) = kGridTriangles | kLastReference; }), "") << "a slot that is not there";
   EXPECT_NE(complaint([](Grid& g) { g.leaves.references[0] ^= kLastReference; }), "") << "leaves merged or cut";
   EXPECT_NE(complaint([](Grid& g) {
               // The first leaf of two triangles, turned around.
@@ -94,9 +94,9 @@ TEST(ValidateGrid, References) {
 }
 
 TEST(ValidateGrid, Triangles) {
-  EXPECT_NE(complaint([](Grid& g) { g.leaves.triangles[7].axis[0].word = kTriangles; }), "");
+  EXPECT_NE(complaint([](Grid& g) { g.leaves.triangles[7].axis[0].word = kGridTriangles; }), "");
   EXPECT_NE(complaint([](Grid& g) { g.leaves.triangles.truncate(g.leaves.triangles.size() - 1); }), "");
-  EXPECT_FALSE(validate(valid_grid(), kTriangles - 1).ok());
+  EXPECT_FALSE(validate(valid_grid(), kGridTriangles - 1).ok());
 }
 
 TEST(GridFrame, PlanesAscendToTheUpperCorner) {

@@ -1,16 +1,15 @@
 #include "libaccel/structure/indexed_block.h"
+#include "validation/unit/special_floats.h"
 
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
-#include <limits>
 
 namespace accel {
 namespace {
 
 TEST(IndexedBlock, LanesHaveTheVerticesThatTheyName) {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const Vec3 vertices[] = {{1, 2, 3}, {4, 5, 6}, {-0.0f, 8, 9}, {10, 11, 12}, {kNaN, kNaN, kNaN}, {}};
   const IndexedBlock block{{{0, 3, 2, 4}, {1, 2, 2, 4}, {2, 0, 1, 4}}, {70, 71, 72, kNoHit}};
   for (std::uint32_t lane = 0; lane < 3; ++lane) {

@@ -11,15 +11,16 @@
 #include "libaccel/build/kdtree_sah.h"
 #include "libaccel/structure/kdtree_stats.h"
 #include "validation/unit/build/test_meshes.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
-constexpr std::uint64_t kTriangles = 200;
+constexpr std::uint64_t kKdTreeTriangles = 200;
 
 // A fresh valid tree with all that a tree can have.
-KdTree valid_tree() {
-  Result<Built<KdTree>> built = KdTreeSah::build(test::soup(kTriangles, 0.2f), {});
+KdTree valid_kdtree() {
+  Result<Built<KdTree>> built = KdTreeSah::build(test::soup(kKdTreeTriangles, 0.2f), {});
   EXPECT_TRUE(built.ok());
   add_links(built->structure);
   add_ropes(built->structure);
@@ -28,9 +29,9 @@ KdTree valid_tree() {
 
 // What validate() says about a tree that `corrupt` has changed; empty when it finds nothing.
 std::string complaint(const std::function<void(KdTree&)>& corrupt) {
-  KdTree tree = valid_tree();
+  KdTree tree = valid_kdtree();
   corrupt(tree);
-  const Status status = validate(tree, kTriangles);
+  const Status status = validate(tree, kKdTreeTriangles);
   return status ? "" : status.message();
 }
 
@@ -89,14 +90,13 @@ TEST(ValidateKdTree, UnreachableNodes) {
 }
 
 TEST(ValidateKdTree, Planes) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
-  for (const float plane : {kNan, kInfinity, -kInfinity, 100.0f, -100.0f}) {
+  for (const float plane : {kNaN, kInfinity, -kInfinity, 100.0f, -100.0f}) {
     EXPECT_NE(complaint([&](KdTree& t) { set_plane(t, 0, plane); }), "");
     EXPECT_NE(complaint([&](KdTree& t) { set_plane(t, last_of(t, false), plane); }), "");
   }
   EXPECT_NE(complaint([](KdTree& t) { set_plane(t, 0, t.bounds.lo[t.nodes[0].axis()]); }), "");
   EXPECT_NE(complaint([](KdTree& t) { set_plane(t, 0, t.bounds.hi[t.nodes[0].axis()]); }), "");
-  for (const float bound : {kNan, kInfinity, -100.0f}) EXPECT_NE(complaint([&](KdTree& t) { t.bounds.hi.y = bound; }), "");
+  for (const float bound : {kNaN, kInfinity, -100.0f}) EXPECT_NE(complaint([&](KdTree& t) { t.bounds.hi.y = bound; }), "");
   EXPECT_NE(complaint([](KdTree& t) { t.bounds.lo.z = -kInfinity; }), "");
   EXPECT_NE(complaint([](KdTree& t) { t.bounds.lo.x = t.bounds.hi.x; }), "");
 }
@@ -120,10 +120,10 @@ TEST(ValidateKdTree, Leaves) {
 TEST(ValidateKdTree, ReferencesAndTriangles) {
   const auto last = [](KdTree& t) -> std::uint32_t& { return t.leaves.references[t.leaves.references.size() - 1]; };
   EXPECT_NE(complaint([&](KdTree& t) { last(t) &= ~kLastReference; }), "");
-  EXPECT_NE(complaint([&](KdTree& t) { last(t) = kLastReference | kTriangles; }), "");
+  EXPECT_NE(complaint([&](KdTree& t) { last(t) = kLastReference | kKdTreeTriangles; }), "");
   EXPECT_NE(complaint([](KdTree& t) { t.leaves.references.truncate(t.leaves.references.size() - 1); }), "");
-  EXPECT_NE(complaint([](KdTree& t) { t.leaves.triangles.truncate(kTriangles - 1); }), "");
-  EXPECT_NE(complaint([](KdTree& t) { t.leaves.triangles[7].axis[0].word = kTriangles; }), "");
+  EXPECT_NE(complaint([](KdTree& t) { t.leaves.triangles.truncate(kKdTreeTriangles - 1); }), "");
+  EXPECT_NE(complaint([](KdTree& t) { t.leaves.triangles[7].axis[0].word = kKdTreeTriangles; }), "");
 }
 
 TEST(ValidateKdTree, Counts) {
@@ -163,8 +163,8 @@ TEST(ValidateKdTree, Ropes) {
             "");
 }
 
-// A chain of a million nodes: neither validate() nor the statistics may recurse.
-KdTree chain(std::uint32_t length) {
+// A kdtree_chain of a million nodes: neither validate() nor the statistics may recurse.
+KdTree kdtree_chain(std::uint32_t length) {
   KdTree tree;
   tree.nodes = Buffer<KdNode>(2 * (length + 1));
   tree.nodes[1] = KdNode::leaf(kEmptyLeaf, 0);
@@ -180,14 +180,14 @@ KdTree chain(std::uint32_t length) {
 }
 
 TEST(ValidateKdTree, ALongChainDoesNotOverflowTheStack) {
-  const KdTree tree = chain(1000000);
+  const KdTree tree = kdtree_chain(1000000);
   const Status status = validate(tree, 0);
   EXPECT_TRUE(status.ok()) << status.message();
   EXPECT_EQ(kdtree_stats(tree).depth, 1000000u);
 }
 
 TEST(KdTree, ExtrasArePartOfItsSize) {
-  KdTree tree = valid_tree();
+  KdTree tree = valid_kdtree();
   EXPECT_TRUE(tree.has(KdExtras::parents_and_boxes) && tree.has(KdExtras::ropes));
   const std::size_t all = tree.size_bytes(), ropes = tree.ropes.size_bytes();
   tree.ropes = {};

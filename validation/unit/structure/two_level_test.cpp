@@ -14,10 +14,10 @@
 namespace accel {
 namespace {
 
-InstancedMeshes scene() { return validation::instanced_scenes()[7].scene; }
+InstancedMeshes placed_scene() { return validation::instanced_scenes()[7].scene; }
 
 TwoLevelBvh built() {
-  auto result = InstanceBuilder::build(scene(), {});
+  auto result = InstanceBuilder::build(placed_scene(), {});
   EXPECT_TRUE(result) << result.message();
   for (const Bvh2Extras extras : {Bvh2Extras::uncles, Bvh2Extras::full_hash}) {
     const Status added = add_extras(result->structure, extras, result->report);
@@ -29,7 +29,7 @@ TwoLevelBvh built() {
 std::string complaint(const std::function<void(TwoLevelBvh&)>& corrupt) {
   TwoLevelBvh bvh = built();
   corrupt(bvh);
-  const Status status = validate(bvh, scene().size());
+  const Status status = validate(bvh, placed_scene().size());
   return status ? "" : status.message();
 }
 

@@ -7,11 +7,11 @@
 
 #include "libaccel/trace/traverser.h"
 #include "validation/stress/hostile_floats.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 const Aabb kUnit{{0, 0, 0}, {1, 1, 1}};
 
 Bvh2Node node_of(const Aabb& box0, const Aabb& box1) {

@@ -63,7 +63,7 @@ std::vector<Hit> all_at_once(const Bvh2& tree, const Ray& ray) {
   return hits;
 }
 
-bool same(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+bool same_hits(const std::vector<Hit>& a, const std::vector<Hit>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0);
 }
 
@@ -96,10 +96,10 @@ void expect_chains(const Bvh2& tree, const std::vector<Ray>& rays, const std::ve
     for (std::size_t h = 1; h < hits.size(); ++h)
       EXPECT_TRUE(is_before(place_of(hits[h - 1]), place_of(hits[h]))) << what << ", ray " << i << ": out of order";
     ++tally.rays, tally.hits += hits.size(), tally.most = std::max(tally.most, hits.size());
-    tally.different += !same(hits, expected[i]);
-    EXPECT_TRUE(same(hits, chain<T>(tree.view(), rays[i], Through::bytes))) << what << ", ray " << i << ": bytes";
+    tally.different += !same_hits(hits, expected[i]);
+    EXPECT_TRUE(same_hits(hits, chain<T>(tree.view(), rays[i], Through::bytes))) << what << ", ray " << i << ": bytes";
     if (!by_key) continue;
-    EXPECT_TRUE(same(hits, chain<T>(tree.view(), rays[i], Through::key))) << what << ", ray " << i << ": key";
+    EXPECT_TRUE(same_hits(hits, chain<T>(tree.view(), rays[i], Through::key))) << what << ", ray " << i << ": key";
   }
 }
 

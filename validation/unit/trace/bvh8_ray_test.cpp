@@ -6,11 +6,11 @@
 
 #include "libaccel/core/counter_rng.h"
 #include "validation/unit/build/test_meshes.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kMax = std::numeric_limits<float>::max();
 
 Bvh8Node node_of(const Aabb& box) {
@@ -24,13 +24,13 @@ bool enters(const Ray& ray, const Aabb& box, float t_max = kMax) {
   return Bvh8Ray<>::prepare(ray, ray.t_min).enters(node_of(box), 3, scaled_end<>(t_max), t_near);
 }
 
-const Aabb kUnit{{0, 0, 0}, {1, 1, 1}};
+const Aabb kUnitBox{{0, 0, 0}, {1, 1, 1}};
 
 TEST(Bvh8Ray, EntersWhatItMeets) {
-  EXPECT_TRUE(enters({{-1, 0.5f, 0.5f}, 0, {1, 0, 0}}, kUnit));
-  EXPECT_FALSE(enters({{-1, 1.5f, 0.5f}, 0, {1, 0, 0}}, kUnit));
-  EXPECT_FALSE(enters({{-1, 0.5f, 0.5f}, 0, {-1, 0, 0}}, kUnit));
-  EXPECT_TRUE(enters({{0.5f, 0.5f, 0.5f}, 0, {-1, 2, 0.1f}}, kUnit));
+  EXPECT_TRUE(enters({{-1, 0.5f, 0.5f}, 0, {1, 0, 0}}, kUnitBox));
+  EXPECT_FALSE(enters({{-1, 1.5f, 0.5f}, 0, {1, 0, 0}}, kUnitBox));
+  EXPECT_FALSE(enters({{-1, 0.5f, 0.5f}, 0, {-1, 0, 0}}, kUnitBox));
+  EXPECT_TRUE(enters({{0.5f, 0.5f, 0.5f}, 0, {-1, 2, 0.1f}}, kUnitBox));
   float t_near = 0;
   EXPECT_TRUE(Bvh8Ray<>::prepare({{-1, -2, -3}, 0, {1, 1, 1}}, 0).enters(node_of({{0, 0, 0}, {5, 5, 5}}), 0, kMax, t_near));
   EXPECT_EQ(t_near, 3.0f);
@@ -38,10 +38,10 @@ TEST(Bvh8Ray, EntersWhatItMeets) {
 
 TEST(Bvh8Ray, TheIntervalIsClosed) {
   const Ray ray{{-1, 0.5f, 0.5f}, 0, {1, 0, 0}};
-  EXPECT_TRUE(enters(ray, kUnit, 1.0f));
-  EXPECT_FALSE(enters(ray, kUnit, 0.999f));
-  EXPECT_TRUE(enters({ray.org, 2.0f, ray.dir}, kUnit));
-  EXPECT_FALSE(enters({ray.org, 2.001f, ray.dir}, kUnit));
+  EXPECT_TRUE(enters(ray, kUnitBox, 1.0f));
+  EXPECT_FALSE(enters(ray, kUnitBox, 0.999f));
+  EXPECT_TRUE(enters({ray.org, 2.0f, ray.dir}, kUnitBox));
+  EXPECT_FALSE(enters({ray.org, 2.001f, ray.dir}, kUnitBox));
 }
 
 TEST(Bvh8Ray, EntersNoPlaceWithoutAChild) {
@@ -57,9 +57,9 @@ TEST(Bvh8Ray, PlanesThroughTheOriginRestrictNothing) {
   for (const float y : {0.0f, 0.5f, 1.0f})
     for (const float z : {0.0f, 0.5f, 1.0f})
       for (const float zero : {0.0f, -0.0f}) {
-        EXPECT_TRUE(enters({{-1, y, z}, 0, {1, zero, zero}}, kUnit)) << y << ' ' << z;
-        EXPECT_TRUE(enters({{y, -1, z}, 0, {zero, 1, -zero}}, kUnit)) << y << ' ' << z;
-        EXPECT_TRUE(enters({{z, y, 3}, 0, {zero, zero, -1}}, kUnit)) << y << ' ' << z;
+        EXPECT_TRUE(enters({{-1, y, z}, 0, {1, zero, zero}}, kUnitBox)) << y << ' ' << z;
+        EXPECT_TRUE(enters({{y, -1, z}, 0, {zero, 1, -zero}}, kUnitBox)) << y << ' ' << z;
+        EXPECT_TRUE(enters({{z, y, 3}, 0, {zero, zero, -1}}, kUnitBox)) << y << ' ' << z;
       }
 }
 

@@ -12,7 +12,7 @@ namespace accel {
 namespace {
 
 // Two NaNs are the same answer; zeros of different sign are not.
-bool same_bits(float a, float b) {
+bool equal_bits(float a, float b) {
   return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
 }
 
@@ -34,11 +34,12 @@ struct Entered {
   }
 };
 
-bool same_bits(const Entered& a, const Entered& b) {
-  bool same = same_bits(a.t_min, b.t_min) && same_bits(a.t_max, b.t_max) && a.cells.backwards_axes == b.cells.backwards_axes &&
-              same_bits(a.cells.t_anchor, b.cells.t_anchor) && same_bits(a.cells.t_unit, b.cells.t_unit);
+bool equal_bits(const Entered& a, const Entered& b) {
+  bool same = equal_bits(a.t_min, b.t_min) && equal_bits(a.t_max, b.t_max) &&
+              a.cells.backwards_axes == b.cells.backwards_axes && equal_bits(a.cells.t_anchor, b.cells.t_anchor) &&
+              equal_bits(a.cells.t_unit, b.cells.t_unit);
   for (int axis = 0; axis < 3; ++axis)
-    same = same && same_bits(a.cells.org[axis], b.cells.org[axis]) && same_bits(a.cells.inv_dir[axis], b.cells.inv_dir[axis]);
+    same = same && equal_bits(a.cells.org[axis], b.cells.org[axis]) && equal_bits(a.cells.inv_dir[axis], b.cells.inv_dir[axis]);
   return same;
 }
 
@@ -70,7 +71,7 @@ TEST(EnterBox, SimdHasTheBitsOfTheScalarVersion) {
     if (!is_traceable(ray)) continue;
 
     const Entered scalar = Entered::scalar(ray, box);
-    ASSERT_TRUE(same_bits(scalar, Entered::simd(ray, box))) << i;
+    ASSERT_TRUE(equal_bits(scalar, Entered::simd(ray, box))) << i;
     entered += scalar.t_min <= scalar.t_max, moved += scalar.cells.t_anchor != 0, scaled += scalar.cells.t_unit != 1;
   }
   EXPECT_GT(entered, 10'000);
@@ -91,12 +92,12 @@ TEST(EnterBox, SimdMovesAndScalesTheSameRays) {
         ray.dir[axis] = -sign;
         const Entered simd = Entered::simd(ray, box);
         EXPECT_EQ(simd.cells.t_anchor != 0, beyond != 0) << axis << ' ' << sign;
-        EXPECT_TRUE(same_bits(simd, Entered::scalar(ray, box))) << axis << ' ' << sign;
+        EXPECT_TRUE(equal_bits(simd, Entered::scalar(ray, box))) << axis << ' ' << sign;
       }
   for (const float size : {CellRay::kTiny, next_down(CellRay::kTiny)}) {
     const Ray ray{.org = {0.5f, 0.5f, 0.5f}, .dir = {-size, 0, size / 2}};
     EXPECT_EQ(Entered::simd(ray, box).cells.t_unit != 1, size < CellRay::kTiny);
-    EXPECT_TRUE(same_bits(Entered::simd(ray, box), Entered::scalar(ray, box)));
+    EXPECT_TRUE(equal_bits(Entered::simd(ray, box), Entered::scalar(ray, box)));
   }
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,11 +15,11 @@
 #include "libaccel/structure/padding.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 using Cells = std::vector<std::uint32_t>;
 
 struct CellRecorder : NullObserver {
@@ -32,7 +31,7 @@ struct CellRecorder : NullObserver {
 };
 
 template <class Mailbox>
-using Closest = GridTraverser<Watertight, Query::closest, Mailbox>;
+using ClosestInGrid = GridTraverser<Watertight, Query::closest, Mailbox>;
 
 // A grid without triangles, so that rays walk all the way.
 struct EmptyGrid {
@@ -41,7 +40,7 @@ struct EmptyGrid {
 
   Cells cells_of(const Ray& ray) const {
     CellRecorder recorder;
-    trace_ray<Closest<NoMailbox>>(view(), ray, recorder);
+    trace_ray<ClosestInGrid<NoMailbox>>(view(), ray, recorder);
     EXPECT_EQ(recorder.steps, recorder.cells.size()) << "one step leaves each cell";
     return recorder.cells;
   }
@@ -236,7 +235,7 @@ TEST(GridDdaWalk, EndsWhereTheIntervalEnds) {
 
 TEST(GridDdaWalk, NothingIsHitInAnEmptyScene) {
   CellRecorder recorder;
-  EXPECT_FALSE(trace_ray<Closest<NoMailbox>>(GridView{}, {.org = {0, 0, 0}, .dir = {1, 0, 0}}, recorder).valid());
+  EXPECT_FALSE(trace_ray<ClosestInGrid<NoMailbox>>(GridView{}, {.org = {0, 0, 0}, .dir = {1, 0, 0}}, recorder).valid());
   EXPECT_TRUE(recorder.cells.empty());
 }
 
@@ -271,8 +270,8 @@ TEST_F(GridMailbox, SavesTestsAndChangesNoHit) {
     ASSERT_TRUE(built) << built.message();
     const std::vector<Ray> rays = validation::stress_rays(scene.mesh, 1000, 3);
     const GridView view = built->structure.view();
-    const Answer none = trace<Closest<NoMailbox>>(view, rays), one = trace<Closest<Mailbox<1>>>(view, rays),
-                 four = trace<Closest<Mailbox<4>>>(view, rays), many = trace<Closest<Mailbox<64>>>(view, rays);
+    const Answer none = trace<ClosestInGrid<NoMailbox>>(view, rays), one = trace<ClosestInGrid<Mailbox<1>>>(view, rays),
+                 four = trace<ClosestInGrid<Mailbox<4>>>(view, rays), many = trace<ClosestInGrid<Mailbox<64>>>(view, rays);
     EXPECT_TRUE(same(none.hits, one.hits));
     EXPECT_TRUE(same(none.hits, four.hits));
     EXPECT_TRUE(same(none.hits, many.hits));

@@ -3,17 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "libaccel/core/counter_rng.h"
 #include "libaccel/geometry/moeller_trumbore.h"
 #include "libaccel/geometry/watertight.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNaN = std::numeric_limits<float>::quiet_NaN();
 
 Hit hit_at(float t, std::uint32_t prim_id) { return {.t = t, .prim_id = prim_id}; }
 
@@ -94,7 +92,7 @@ TEST_F(HitBufferTest, TakesNothingUpToTheHitItGoesOnBehind) {
 }
 
 const PackedTriangle kTriangle = pack({{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}, 7);
-const Ray kRay{.org = {0.25f, 0.25f, 0}, .dir = {0, 0, 1}};
+const Ray kRayAlongX{.org = {0.25f, 0.25f, 0}, .dir = {0, 0, 1}};
 
 template <class Test>
 class MultiHitTests : public testing::Test {};
@@ -103,36 +101,36 @@ TYPED_TEST_SUITE(MultiHitTests, Tests);
 
 TYPED_TEST(MultiHitTests, CollectReportsOnlyTheEndOfAFullBuffer) {
   Hit hits[2];
-  HitBuffer buffer = HitBuffer::prepare(kRay, kBeforeAllHits, hits, 2);
-  auto data = Collect<TypeParam>::prepare(kRay);
+  HitBuffer buffer = HitBuffer::prepare(kRayAlongX, kBeforeAllHits, hits, 2);
+  auto data = Collect<TypeParam>::prepare(kRayAlongX);
   data.buffer = &buffer;
   Hit hit;
-  EXPECT_FALSE((Collect<TypeParam>::intersect(kTriangle, kRay, data, hit)));
-  EXPECT_FALSE((Collect<TypeParam>::intersect(kTriangle, kRay, data, hit))) << "a second leaf has it too";
+  EXPECT_FALSE((Collect<TypeParam>::intersect(kTriangle, kRayAlongX, data, hit)));
+  EXPECT_FALSE((Collect<TypeParam>::intersect(kTriangle, kRayAlongX, data, hit))) << "a second leaf has it too";
   EXPECT_EQ(buffer.count, 1u);
   EXPECT_EQ(hits[0].t, 2.0f);
   EXPECT_EQ(hits[0].prim_id, 7u);
 
   buffer.take(hit_at(9, 1));
   const PackedTriangle nearer = pack({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, 3);
-  auto inside = Collect<TypeParam>::prepare(kRay);
+  auto inside = Collect<TypeParam>::prepare(kRayAlongX);
   inside.enter_instance(data, 100);
-  EXPECT_TRUE((Collect<TypeParam>::intersect(nearer, kRay, inside, hit)));
+  EXPECT_TRUE((Collect<TypeParam>::intersect(nearer, kRayAlongX, inside, hit)));
   EXPECT_EQ(hit.t, 2.0f) << "the farthest that is in";
   EXPECT_EQ(hits[0].prim_id, 103u);
 }
 
 TYPED_TEST(MultiHitTests, AfterFindsOnlyWhatIsBehind) {
-  auto data = After<TypeParam>::prepare(kRay);
+  auto data = After<TypeParam>::prepare(kRayAlongX);
   Hit hit;
-  EXPECT_TRUE((After<TypeParam>::intersect(kTriangle, kRay, data, hit)));
+  EXPECT_TRUE((After<TypeParam>::intersect(kTriangle, kRayAlongX, data, hit)));
   data.after = {2, 6};
-  EXPECT_TRUE((After<TypeParam>::intersect(kTriangle, kRay, data, hit)));
+  EXPECT_TRUE((After<TypeParam>::intersect(kTriangle, kRayAlongX, data, hit)));
   data.after = {2, 7};
-  EXPECT_FALSE((After<TypeParam>::intersect(kTriangle, kRay, data, hit)));
-  auto inside = After<TypeParam>::prepare(kRay);
+  EXPECT_FALSE((After<TypeParam>::intersect(kTriangle, kRayAlongX, data, hit)));
+  auto inside = After<TypeParam>::prepare(kRayAlongX);
   inside.enter_instance(data, 1);
-  EXPECT_TRUE((After<TypeParam>::intersect(kTriangle, kRay, inside, hit))) << "numbers are those of the scene";
+  EXPECT_TRUE((After<TypeParam>::intersect(kTriangle, kRayAlongX, inside, hit))) << "numbers are those of the scene";
 }
 
 TEST(Behind, StartsAtTheHitAndNotInFrontOfTheRay) {

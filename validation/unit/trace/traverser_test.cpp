@@ -6,11 +6,10 @@
 #include <type_traits>
 
 #include "libaccel/core/float_bounds.h"
+#include "validation/unit/special_floats.h"
 
 namespace accel {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 Hit start(float t_max) {
   Hit hit;
