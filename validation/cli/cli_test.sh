@@ -778,7 +778,7 @@ test_interrupted_profiles() {
   local profile pid
   for profile in simt "multipass --batch 16384"; do
     : >err
-    "$ACCEL_TRACE" builtin:soup:50000 --method bvh8/ordered --rays random --count 2000000 --repeat 1 --threads 1 --check none \
+    "$ACCEL_TRACE" builtin:soup:2000 --method bvh8/ordered --rays random --count 2000000 --repeat 1 --threads 1 --check none \
       --profile $profile --progress always >out 2>err &
     pid=$!
     until grep -qE "simulating warps|running passes" err; do kill -0 $pid 2>/dev/null || fail "it ended by itself"; sleep 0.05; done
