@@ -1,4 +1,4 @@
-# One source a method, or for CUDA a few: the list in libaccel/registry/methods.h is read, and its lines are instantiated in files
+# One source a method, or a few methods: the list in libaccel/registry/methods.h is read, and its lines are instantiated in files
 # that include what these methods need and nothing of the others. So methods compile in parallel, and a changed traverser
 # recompiles its own methods, and those that share their sources.
 
