@@ -130,7 +130,8 @@ Status measure_all(const Arguments& arguments) {
     const auto times = measure(row, *arrays, arguments.repeat);
     if (!times) return times.error();
     const auto rate = [&](float ms) { return static_cast<double>(row.bytes * arrays->size()) / (ms * 1e6); };
-    const double median = rate((*times)[times->size() / 2]);
+    const std::size_t n = times->size();
+    const double median = rate(((*times)[(n - 1) / 2] + (*times)[n / 2]) / 2);
     if (copy_rate == 0) copy_rate = median;
     std::printf("%-16s %9.1f %9.1f %9.1f %9.3f\n", row.name, median, rate(times->back()), rate(times->front()),
                 median / copy_rate);
