@@ -38,7 +38,7 @@ struct MultipassScene {
 const MultipassScene& multipass_soup() {
   static const MultipassScene scene = [] {
     MultipassScene s;
-    s.mesh = make_builtin("multipass_soup:1000")->mesh;
+    s.mesh = make_builtin("soup:1000")->mesh;
     s.bvh = BinnedSah::build(s.mesh, {})->structure;
     s.list = ListBuilder::build(s.mesh, {})->structure;
     const RaySet set = *random_rays(s.bvh.bounds, 2500);
@@ -200,7 +200,7 @@ TEST(Multipass, ProfilesDoNotDependOnThreads) {
 
 // N triangles and no tree: N passes of Intersect and one of each transition, whose every figure is known.
 TEST(Multipass, BruteForceByHand) {
-  const auto mesh = make_builtin("multipass_soup:20")->mesh;
+  const auto mesh = make_builtin("soup:20")->mesh;
   const auto list = ListBuilder::build(mesh, {})->structure;
   std::vector<Ray> rays(multipass_soup().rays.begin() + 10, multipass_soup().rays.begin() + 50);
   for (std::size_t i = 0; i < 8; ++i) rays[i] = kRayWithoutDirection;  // the first warp keeps 24 rays, the second all of its 8
