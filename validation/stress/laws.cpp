@@ -341,7 +341,7 @@ LawResult& LawResult::operator+=(const LawResult& other) {
   return *this;
 }
 
-// Features of 2^-40 leave the range of the watertight test when they are times_power_of_two by 2^-40 (geometry/watertight.h);
+// Features of 2^-40 leave the range of the watertight test when they are scaled by 2^-40 (geometry/watertight.h);
 // coordinates at the limit leave the library's. And from rays that start around all of the nested boxes, half of them are too
 // far away for what structures of cells promise (trace/cell_ray.h).
 bool has_range_for(Law law, const StressScene& scene) {

@@ -34,7 +34,7 @@ struct MultipassScene {
   std::vector<Ray> rays;
 };
 
-// A triangle multipass_soup and random rays, some of them dead; built once.
+// A triangle soup and random rays, some of them dead; built once.
 const MultipassScene& multipass_soup() {
   static const MultipassScene scene = [] {
     MultipassScene s;

@@ -163,7 +163,7 @@ TEST(ValidateKdTree, Ropes) {
             "");
 }
 
-// A kdtree_chain of a million nodes: neither validate() nor the statistics may recurse.
+// A chain of a million nodes: neither validate() nor the statistics may recurse.
 KdTree kdtree_chain(std::uint32_t length) {
   KdTree tree;
   tree.nodes = Buffer<KdNode>(2 * (length + 1));
