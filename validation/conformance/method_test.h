@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <ostream>
 #include <set>
 #include <stdexcept>
@@ -14,13 +13,11 @@
 
 #include "libaccel/registry/any_accel.h"
 #include "validation/compare/judge.h"
+#include "validation/compare/same_hit.h"
 
 namespace accel {
 
-inline bool operator==(const Hit& a, const Hit& b) {
-  return std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && a.u == b.u && a.v == b.v &&
-         a.prim_id == b.prim_id;
-}
+inline bool operator==(const Hit& a, const Hit& b) { return validation::same_hit(a, b); }
 inline std::ostream& operator<<(std::ostream& out, const Hit& hit) {
   return out << "{t " << hit.t << ", u " << hit.u << ", v " << hit.v << ", prim_id " << static_cast<std::int64_t>(hit.prim_id)
              << '}';

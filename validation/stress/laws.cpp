@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,16 +12,12 @@
 #include "libaccel/core/vec3d.h"
 #include "libaccel/registry/any_accel.h"
 #include "validation/compare/judge_hits.h"
+#include "validation/compare/same_hit.h"
 
 namespace accel::validation {
 namespace {
 
 constexpr std::size_t kMostCases = 8;
-
-bool same_bits(const Hit& a, const Hit& b) {
-  return std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) && a.u == b.u && a.v == b.v &&
-         a.prim_id == b.prim_id;
-}
 
 Vec3 times_power_of_two(Vec3 v, int k) { return {std::ldexp(v.x, k), std::ldexp(v.y, k), std::ldexp(v.z, k)}; }
 Vec3 turned(Vec3 v) { return {v.y, v.z, v.x}; }
@@ -110,7 +105,7 @@ class LawCheck {
                         const std::string& what) {
     result_.rays += rays.size();
     for (std::size_t i = 0; i < rays.size(); ++i)
-      if (!same_bits(ours[i], expected[i])) ++result_.different, violated(i, rays[i], ours[i], expected[i], what);
+      if (!same_hit(ours[i], expected[i])) ++result_.different, violated(i, rays[i], ours[i], expected[i], what);
   }
 
   // Answers that must be the same where rounding does not decide. The rays are in the space of the scene.
@@ -118,7 +113,7 @@ class LawCheck {
                    const std::string& what) {
     result_.rays += rays.size();
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (same_bits(ours[i], expected[i])) continue;
+      if (same_hit(ours[i], expected[i])) continue;
       ++result_.different;
       if (!subject_.is_watertight()) continue;
       if (!is_excused(rays[i], ours[i]) || !is_excused(rays[i], expected[i])) violated(i, rays[i], ours[i], expected[i], what);

@@ -6,6 +6,7 @@
 
 #include "libaccel/build/grid.h"
 #include "libaccel/registry/any_accel.h"
+#include "validation/compare/same_hit.h"
 #include "validation/oracle/embree.h"
 #include "validation/stress/leaks.h"
 
@@ -15,8 +16,6 @@ namespace {
 constexpr std::uint64_t kMostBruteForceTests = 200'000'000;
 constexpr std::uint64_t kMostUnwitnessed = 20'000;  // rays judged of a scene that has no witness
 constexpr std::size_t kMostReported = 8;            // of any-hit answers
-
-bool same_values(const Hit& a, const Hit& b) { return a.t == b.t && a.u == b.u && a.v == b.v && a.prim_id == b.prim_id; }
 
 // The most references that a builder may make, by what its header promises; 0 where it promises nothing.
 double reference_limit(const MethodInfo& method, const BuildReport& report) {
@@ -121,7 +120,7 @@ class CaseRun {
   void expect_misses(const StressScene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& hits) {
     std::vector<ReproCase> wrong;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (same_values(hits[i], Hit{})) continue;
+      if (same_hit(hits[i], Hit{})) continue;
       ++outcome_.ours.false_hit;
       if (wrong.size() < kMostReported) wrong.push_back({i, rays[i], Verdict::false_hit, hits[i], std::nullopt});
     }
@@ -140,7 +139,7 @@ class CaseRun {
     const Judge judge(firsts);
     std::vector<ReproCase> wrong;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (same_values(hits[i], expected[i])) continue;
+      if (same_hit(hits[i], expected[i])) continue;
       Hit first = hits[i];
       if (first.valid()) first.prim_id %= static_cast<std::uint32_t>(firsts.size());
       const Verdict verdict = judge.judge(rays[i], first, judge.oracle().closest(rays[i]));

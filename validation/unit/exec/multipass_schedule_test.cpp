@@ -5,13 +5,12 @@
 #include <vector>
 
 #include "libaccel/core/counter_rng.h"
+#include "validation/unit/exec/multipass_rules.h"
 
 namespace accel {
 namespace {
 
 using Kernel = MultipassKernel;
-
-constexpr MultipassRule kEveryRule[] = {MultipassRule::delany, MultipassRule::largest_first, MultipassRule::drain};
 
 MultipassCounts counts(std::uint32_t down, std::uint32_t leaf, std::uint32_t intersect, std::uint32_t continues,
                        std::uint32_t up) {
@@ -61,7 +60,7 @@ TEST(MultipassSchedule, NeverChoosesAKernelThatNobodyWaitsFor) {
       if (rng.next_below(3) == 0) waiting[static_cast<Kernel>(k)] = rng.next_below(50);
     if (waiting.total() == 0) continue;
     const auto current = static_cast<Kernel>(rng.next_below(kMultipassKernels));
-    for (const MultipassRule rule : kEveryRule)
+    for (const MultipassRule rule : test::kRules)
       ASSERT_GT(waiting[choose_kernel(rule, current, waiting)], 0u) << rule_name(rule);
   }
 }

@@ -13,37 +13,26 @@
 #include "libaccel/registry/any_accel.h"
 #include "libaccel/registry/methods.h"
 #include "scenes/procedural.h"
+#include "validation/unit/exec/multipass_rules.h"
+#include "validation/unit/exec/soup_and_rays.h"
 
 namespace accel {
 namespace {
+
+using test::kDeadRay;
+using test::kRules;
+using test::SoupAndRays;
 
 using ClosestStack = Bvh2Stack<Watertight, Query::closest>;
 using AnyStack = Bvh2Stack<Watertight, Query::any>;
 using ClosestBrute = BruteForce<Watertight, Query::closest>;
 using Kernel = MultipassKernel;
 
-constexpr MultipassRule kRules[] = {MultipassRule::delany, MultipassRule::largest_first, MultipassRule::drain};
-
-// Hits nothing, by definition (core/ray.h).
-constexpr Ray kRayWithoutDirection{.org = {}, .dir = {0, 0, 0}};
-
-struct MultipassScene {
-  TriangleMesh mesh;
-  Bvh2 bvh;
-  TriangleList list;
-  std::vector<Ray> rays;
-};
-
 // A triangle soup and random rays, some of them dead; built once.
-const MultipassScene& multipass_soup() {
-  static const MultipassScene scene = [] {
-    MultipassScene s;
-    s.mesh = make_builtin("soup:1000")->mesh;
-    s.bvh = BinnedSah::build(s.mesh, {})->structure;
-    s.list = ListBuilder::build(s.mesh, {})->structure;
-    const RaySet set = *random_rays(s.bvh.bounds, 2500);
-    s.rays.assign(set.rays.begin(), set.rays.end());
-    for (std::size_t i = 7; i < s.rays.size(); i += 50) s.rays[i] = kRayWithoutDirection;
+const SoupAndRays& multipass_soup() {
+  static const SoupAndRays scene = [] {
+    SoupAndRays s(1000, 2500);
+    for (std::size_t i = 7; i < s.rays.size(); i += 50) s.rays[i] = kDeadRay;
     return s;
   }();
   return scene;
@@ -189,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, MultipassMethod, testing::ValuesIn(method_name
 });
 
 TEST(Multipass, ProfilesDoNotDependOnThreads) {
-  const MultipassScene& scene = multipass_soup();
+  const SoupAndRays& scene = multipass_soup();
   for (const MultipassOptions& options : all_options()) {
     const MultipassProfile one = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, options, 1);
     for (const int threads : {2, 3, 0})
@@ -203,7 +192,7 @@ TEST(Multipass, BruteForceByHand) {
   const auto mesh = make_builtin("soup:20")->mesh;
   const auto list = ListBuilder::build(mesh, {})->structure;
   std::vector<Ray> rays(multipass_soup().rays.begin() + 10, multipass_soup().rays.begin() + 50);
-  for (std::size_t i = 0; i < 8; ++i) rays[i] = kRayWithoutDirection;  // the first warp keeps 24 rays, the second all of its 8
+  for (std::size_t i = 0; i < 8; ++i) rays[i] = kDeadRay;  // the first warp keeps 24 rays, the second all of its 8
   const MultipassProfile p = trace_multipass<ClosestBrute>(list.view(), rays, {}, {}, 1);
   constexpr std::uint64_t kState = sizeof(ClosestBrute::State);
   const std::uint64_t triangles = mesh.size();
@@ -232,7 +221,7 @@ TEST(Multipass, BruteForceByHand) {
 }
 
 TEST(Multipass, CompactionChangesWhatPassesRunOverAndNothingElse) {
-  const MultipassScene& scene = multipass_soup();
+  const SoupAndRays& scene = multipass_soup();
   for (const MultipassRule rule : kRules) {
     const auto masked = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.rule = rule}, 2);
     const auto compact = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.rule = rule, .compact = true}, 2);
@@ -255,7 +244,7 @@ TEST(Multipass, CompactionChangesWhatPassesRunOverAndNothingElse) {
 
 // Stacks stay where they are: their entries are moved, not all of them in every pass.
 TEST(Multipass, StacksCostTheirEntries) {
-  const MultipassScene& scene = multipass_soup();
+  const SoupAndRays& scene = multipass_soup();
   const Counters counters = count_rays<ClosestStack>(scene.bvh.view(), scene.rays, {}, 1);
   const MultipassProfile p = trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {}, 1);
   constexpr std::uint64_t kCarried = sizeof(ClosestStack::State) + sizeof(Hit);
@@ -269,7 +258,7 @@ TEST(Multipass, StacksCostTheirEntries) {
 }
 
 TEST(Multipass, BatchesBoundTheMemory) {
-  const MultipassScene& scene = multipass_soup();
+  const SoupAndRays& scene = multipass_soup();
   const auto profile = [&](std::uint32_t batch_size) {
     return trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.batch_size = batch_size}, 1);
   };
@@ -285,7 +274,7 @@ TEST(Multipass, BatchesBoundTheMemory) {
 }
 
 TEST(Multipass, FewerSwitchesWhereKernelsAreDrained) {
-  const MultipassScene& scene = multipass_soup();
+  const SoupAndRays& scene = multipass_soup();
   const auto profile = [&](MultipassRule rule) {
     return trace_multipass<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.rule = rule}, 1);
   };

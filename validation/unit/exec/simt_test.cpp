@@ -16,9 +16,13 @@
 #include "libaccel/trace/brute_force.h"
 #include "libaccel/trace/bvh2_stack.h"
 #include "scenes/procedural.h"
+#include "validation/unit/exec/soup_and_rays.h"
 
 namespace accel {
 namespace {
+
+using test::kDeadRay;
+using test::SoupAndRays;
 
 using ClosestStack = Bvh2Stack<Watertight, Query::closest>;
 using AnyStack = Bvh2Stack<Watertight, Query::any>;
@@ -27,9 +31,6 @@ using AnyBrute = BruteForce<Watertight, Query::any>;
 
 constexpr SimtSchedule kSchedules[] = {SimtSchedule::while_while, SimtSchedule::if_if, SimtSchedule::speculative_while_while,
                                        SimtSchedule::persistent_while_while, SimtSchedule::if_while};
-
-// Hits nothing, by definition (core/ray.h).
-constexpr Ray kDeadRay{.org = {}, .dir = {0, 0, 0}};
 
 // `count` triangles side by side in planes z = 1, 2, ..., all across the z axis.
 TriangleMesh stacked_triangles(std::uint32_t count) {
@@ -44,23 +45,9 @@ TriangleMesh stacked_triangles(std::uint32_t count) {
   return mesh;
 }
 
-struct SoupAndRays {
-  TriangleMesh mesh;
-  Bvh2 bvh;
-  TriangleList list;
-  Buffer<Ray> rays;
-};
-
 // A triangle soup and random rays, which diverge; built once.
 const SoupAndRays& soup() {
-  static const SoupAndRays scene = [] {
-    SoupAndRays s;
-    s.mesh = make_builtin("soup:2000")->mesh;
-    s.bvh = BinnedSah::build(s.mesh, {})->structure;
-    s.list = ListBuilder::build(s.mesh, {})->structure;
-    s.rays = random_rays(s.bvh.bounds, 3000)->rays;
-    return s;
-  }();
+  static const SoupAndRays scene(2000, 3000);
   return scene;
 }
 
@@ -192,10 +179,10 @@ TEST(Simt, HitsAreTheCpusInEveryScheduleAndMethod) {
 
 TEST(Simt, StepsAndBytesAreWhatTheRaysCost) {
   const SoupAndRays& scene = soup();
-  const Counters counters = count_rays<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, 1);
+  const Counters counters = count_rays<ClosestStack>(scene.bvh.view(), scene.rays, {}, 1);
   for (const SimtSchedule schedule :
        {SimtSchedule::while_while, SimtSchedule::if_if, SimtSchedule::persistent_while_while, SimtSchedule::if_while}) {
-    const SimtProfile p = simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, {.schedule = schedule}, 1);
+    const SimtProfile p = simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.schedule = schedule}, 1);
     EXPECT_EQ(p.rays, scene.rays.size());
     EXPECT_EQ(p.fetch.active_lanes, scene.rays.size());
     EXPECT_EQ(p.descend.active_lanes, counters.node_steps);
@@ -211,7 +198,7 @@ TEST(Simt, StepsAndBytesAreWhatTheRaysCost) {
 TEST(Simt, SpeculationFillsTheSearchAndCostsTests) {
   const SoupAndRays& scene = soup();
   const auto run = [&](SimtSchedule schedule) {
-    return simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, {.schedule = schedule}, 1);
+    return simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.schedule = schedule}, 1);
   };
   const SimtProfile plain = run(SimtSchedule::while_while), speculative = run(SimtSchedule::speculative_while_while);
   EXPECT_GT(speculative.postponed_leaves, 0u);
@@ -223,7 +210,7 @@ TEST(Simt, SpeculationFillsTheSearchAndCostsTests) {
 TEST(Simt, TraversersThatCannotSpeculateRunWhileWhile) {
   static_assert(SpeculativeTraverser<ClosestStack> && !SpeculativeTraverser<ClosestBrute>);
   const SoupAndRays& scene = soup();
-  const auto rays = scene.rays.span().first(64);
+  const auto rays = std::span(scene.rays).first(64);
   const auto plain = simulate_simt<ClosestBrute>(scene.list.view(), rays, {}, {.schedule = SimtSchedule::while_while}, 1);
   const auto speculative =
       simulate_simt<ClosestBrute>(scene.list.view(), rays, {}, {.schedule = SimtSchedule::speculative_while_while}, 1);
@@ -233,7 +220,7 @@ TEST(Simt, TraversersThatCannotSpeculateRunWhileWhile) {
 TEST(Simt, FetchingKeepsMoreLanesBusyThanWaiting) {
   const SoupAndRays& scene = soup();
   const auto run = [&](SimtSchedule schedule) {
-    return simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, {.schedule = schedule}, 1);
+    return simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays, {}, {.schedule = schedule}, 1);
   };
   EXPECT_GT(run(SimtSchedule::persistent_while_while).efficiency(), run(SimtSchedule::while_while).efficiency());
 }
@@ -242,9 +229,9 @@ TEST(Simt, ProfilesDoNotDependOnThreads) {
   const SoupAndRays& scene = soup();
   for (const SimtSchedule schedule : kSchedules) {
     const SimtOptions options{.schedule = schedule, .rays_per_warp = 64};
-    const SimtProfile one = simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, options, 1);
+    const SimtProfile one = simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays, {}, options, 1);
     for (const int threads : {2, 3, 0})
-      EXPECT_TRUE(same_profile(one, simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays.span(), {}, options, threads)));
+      EXPECT_TRUE(same_profile(one, simulate_simt<ClosestStack>(scene.bvh.view(), scene.rays, {}, options, threads)));
   }
 }
 
