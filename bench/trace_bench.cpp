@@ -1,15 +1,18 @@
 // Rays per second of every method, beside Embree's on the same rays in the same run.
 //
-// A group is a scene and a ray kind; its rows are the methods, the recommended one by a call for each ray, too, and Embree
-// through single-ray calls in its fast mode, which ratios refer to, and in its robust one. Closest or any hit, as renderers ask
-// it of the kind.
+// A group is a scene and a ray kind; its rows are the methods, the recommended one by a call for each ray, too, the two-box BVH
+// with scalar box tests, and Embree through single-ray calls in its fast mode, which ratios refer to, and in its robust one.
+// Closest or any hit, as renderers ask it of the kind.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <memory>
 
 #include "bench/bench_main.h"
+#include "libaccel/exec/cpu.h"
+#include "libaccel/geometry/watertight.h"
 #include "libaccel/registry/any_accel.h"
+#include "libaccel/trace/bvh2_stack.h"
 #include "validation/oracle/embree.h"
 
 namespace accel::bench {
@@ -88,6 +91,20 @@ void add_single_rays(const std::string& name, const AnyAccel& accel, const std::
       });
 }
 
+// The method's traversal without SIMD in its steps: what traversals whose steps are scalar are to be compared with.
+void add_scalar_boxes(const std::string& name, const AnyAccel& accel, const std::shared_ptr<RayBatch>& batch, int threads) {
+  add_row(
+      name, batch,
+      [=](std::span<const Ray> rays, std::span<Hit> hits) {
+        using Traverser = Bvh2StackWith<Watertight, Query::closest, true, ScalarBoxPairTest>;
+        trace_closest<Traverser>(accel.structure().get_if<Bvh2>()->view(), rays, hits, threads);
+      },
+      [=](std::span<const Ray> rays, std::span<std::uint8_t> out) {
+        using Traverser = Bvh2StackWith<Watertight, Query::any, true, ScalarBoxPairTest>;
+        trace_any<Traverser>(accel.structure().get_if<Bvh2>()->view(), rays, out, threads);
+      });
+}
+
 void add_group(const std::string& group, const std::shared_ptr<Subject>& subject, const std::shared_ptr<RayBatch>& batch,
                int threads) {
   using Rays = std::span<const Ray>;
@@ -98,8 +115,11 @@ void add_group(const std::string& group, const std::shared_ptr<Subject>& subject
         [=](Rays rays, std::span<std::uint8_t> out) {
           benchmark::DoNotOptimize(accel.occluded(rays, out, {.threads = threads}).ok());
         });
-  for (const AnyAccel& accel : subject->methods)
-    if (accel.method().name == best_method()) add_single_rays(group + "|" + accel.method().name + "-single", accel, batch);
+  for (const AnyAccel& accel : subject->methods) {
+    const std::string& method = accel.method().name;
+    if (method == best_method()) add_single_rays(group + "|" + method + "-single", accel, batch);
+    if (method == "sbvh/stack") add_scalar_boxes(group + "|" + method + "-scalar", accel, batch, threads);
+  }
   for (const auto& owned : subject->embree) {
     const validation::EmbreeWitness* embree = owned.get();
     const bool fast = embree->options().mode == validation::EmbreeMode::fast;

@@ -5,7 +5,8 @@
 // together with its entry distance, so that it can be dropped unread when a nearer hit has been found meanwhile.
 //
 // kDropPostponed switches that off: what traversers without a stack visit, which have no room for distances, is then what this
-// one visits, node by node (validation/conformance/bvh2_laws_test.cpp).
+// one visits, node by node (validation/conformance/bvh2_laws_test.cpp). Boxes is the test of both boxes: bench/trace_bench.cpp
+// asks what the one in SIMD lanes is worth.
 #pragma once
 
 #include "libaccel/trace/box_pair.h"
@@ -13,7 +14,7 @@
 
 namespace accel {
 
-template <class Test, Query kQuery, bool kDropPostponed>
+template <class Test, Query kQuery, bool kDropPostponed, class Boxes = BoxPairTest>
 struct Bvh2StackWith {
   static constexpr const char* kName = "stack";
   using View = Bvh2View;
@@ -32,7 +33,7 @@ struct Bvh2StackWith {
     Postponed entries[kBvh2StackSize];
   };
   struct State {
-    BoxPairTest boxes;
+    Boxes boxes;
     typename Test::RayData test;
     NodeRef node;        // while descending
     std::uint32_t quad;  // in a leaf
@@ -47,7 +48,7 @@ struct Bvh2StackWith {
   ACCEL_HD static Phase begin(const View& view, const Ray& ray, State& state, Hit& hit, Observer& observer) {
     begin_hit(ray, hit);
     if (view.root == kNoNode || !is_traceable(ray)) return Phase::done;
-    state.boxes = BoxPairTest::prepare(ray, first_t(ray));
+    state.boxes = Boxes::prepare(ray, first_t(ray));
     state.test = Test::prepare(ray);
     state.postponed = 0;
     return enter(state, view.root, observer);
