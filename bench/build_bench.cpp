@@ -1,7 +1,8 @@
 // Build times of every builder of the registry, beside Embree's of low, medium and high quality in the same run.
 //
 // A group is a scene; its rows are the builders, a refit of the fast builder's tree, and Embree's qualities, of scenes that are
-// not ROBUST: those have no high quality. Ratios are to medium quality.
+// not ROBUST: those have no high quality. Ratios are to medium quality. Scenes of instances have two more: instances that move,
+// by ours and by Embree.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -41,6 +42,32 @@ void add_refit(const std::shared_ptr<Scene>& scene, int threads) {
   benchmark::RegisterBenchmark((scene->name + "|refit").c_str(), row)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
+// A frame of a scene whose instances move.
+void add_moves(const std::shared_ptr<Scene>& scene, int threads) {
+  const auto ours = [=](benchmark::State& state) {
+    const Result<AnyAccel> accel = AnyAccel::build(*scene->data.instances, "bvh8-instances/stream", {.threads = threads});
+    if (!accel) return state.SkipWithError(accel.message().c_str());
+    for (auto _ : state)
+      if (const auto moved = move_instances(*accel, *scene->data.instances, {.threads = threads}); !moved)
+        return state.SkipWithError(moved.message().c_str());
+  };
+  benchmark::RegisterBenchmark((scene->name + "|move-instances").c_str(), ours)->Unit(benchmark::kMillisecond)->UseRealTime();
+  if (!validation::EmbreeWitness::available()) return;
+
+  // Its commit alone: without setting the maps, which ours takes the inverses of.
+  const auto embree = [=](benchmark::State& state) {
+    for (auto _ : state) {
+      const auto built = validation::EmbreeWitness::build(*scene->data.instances,
+                                                          {.mode = validation::EmbreeMode::fast, .build_threads = threads});
+      if (!built) return state.SkipWithError(built.message().c_str());
+      state.SetIterationTime(built->commit_seconds());
+    }
+  };
+  benchmark::RegisterBenchmark((scene->name + "|embree-move-instances").c_str(), embree)
+      ->Unit(benchmark::kMillisecond)
+      ->UseManualTime();
+}
+
 // Without the copy of the mesh that Embree makes for itself: ours reads the caller's.
 void add_embree(const std::shared_ptr<Scene>& scene, const char* name, validation::EmbreeQuality quality, int threads) {
   const auto row = [=](benchmark::State& state) {
@@ -65,6 +92,7 @@ Status register_benchmarks(const Options& options) {
     for (const MethodInfo& method : methods())
       if (builders.insert(method.builder).second) add_builder(scene, method, options.threads);
     add_refit(scene, options.threads);
+    if (scene->data.instances) add_moves(scene, options.threads);
     if (!validation::EmbreeWitness::available()) continue;
     add_embree(scene, kEmbreeRow, validation::EmbreeQuality::medium, options.threads);
     add_embree(scene, "embree-low", validation::EmbreeQuality::low, options.threads);

@@ -11,10 +11,22 @@
 
 #include "libaccel/build/collapse_wide.h"
 #include "libaccel/build/instances.h"
+#include "libaccel/build/top_level.h"
 #include "libaccel/core/threads.h"
 
 namespace accel {
 namespace {
+
+// Of the tree over instances, those that have a leaf each keep it.
+Result<Bvh8> collapse_top(const Bvh2& top, const BuildOptions& options) {
+  BuildOptions of_top = options;
+  of_top.max_leaf_size = 1;
+  return collapse_wide(top, of_top);
+}
+
+Error no_memory(const InstancedMeshes& scene, const char* doing) {
+  return Error{std::string("out of memory while ") + doing + " " + std::to_string(scene.instances().size()) + " instances"};
+}
 
 struct Collapsed {
   TwoLevelBvh8 structure;
@@ -27,9 +39,7 @@ Result<Collapsed> collapse(const TwoLevelBvh& binary, const BuildOptions& option
   std::uint64_t held = binary.size_bytes(), peak_bytes = 0;
   for (std::size_t i = 0; i < binary.trees.size(); ++i) {
     const Bvh2 tree = binary.tree(i);
-    BuildOptions of_tree = options;
-    if (i == 0) of_tree.max_leaf_size = 1;  // instances that have a leaf each keep it
-    auto wide = collapse_wide(tree, of_tree);
+    auto wide = i == 0 ? collapse_top(tree, options) : collapse_wide(tree, options);
     if (!wide) return wide.error();
     peak_bytes = std::max(peak_bytes, held - tree.size_bytes() + collapse_peak_bytes(tree, *wide));
     held += wide->size_bytes();
@@ -45,6 +55,53 @@ Result<Collapsed> collapse(const TwoLevelBvh& binary, const BuildOptions& option
   if (!joined) return joined.error();
   peak_bytes = std::max<std::uint64_t>(peak_bytes, held + instances.size_bytes() + joined->size_bytes());
   return Collapsed{*std::move(joined), peak_bytes};
+}
+
+// The most boxes of a mesh's tree for instances that move: those two levels down, for a frame is soon over.
+constexpr std::size_t kMostBoxes = std::size_t{kBvh8Arity} * kBvh8Arity;
+
+Status check_meshes(const TwoLevelBvh8& bvh, const InstancedMeshes& scene) {
+  const std::size_t built = bvh.trees.empty() ? 0 : bvh.trees.size() - 1;
+  if (scene.meshes().size() != built)
+    return Error{"moving instances: the structure was built over " + std::to_string(built) + " meshes, but the scene has " +
+                 std::to_string(scene.meshes().size()) + "; rebuild"};
+  for (std::size_t i = 0; i < built; ++i)
+    if (scene.meshes()[i].size() != bvh.trees[i + 1].triangles)
+      return Error{"moving instances: mesh " + std::to_string(i + 1) + " had " + std::to_string(bvh.trees[i + 1].triangles) +
+                   " triangles when it was built, but has " + std::to_string(scene.meshes()[i].size()) + "; rebuild"};
+  return Done{};
+}
+
+Result<Built<TwoLevelBvh8>> replace_top(const TwoLevelBvh8& bvh, const InstancedMeshes& scene, const BuildOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  std::vector<std::vector<Aabb>> boxes;
+  for (std::size_t i = 1; i < bvh.trees.size(); ++i)
+    boxes.push_back(boxes_below(bvh.nodes.data(), bvh.trees[i].root, bvh.trees[i].bounds, kMostBoxes));
+  const std::vector<AffineInverse> to_object = inverses(scene.instances());
+  Result<Built<Bvh2>> binary = build_top_level(scene, to_object, boxes, options);
+  if (!binary) return binary.error();
+  const auto built = Clock::now();
+
+  tbb::task_arena arena(arena_size(options.threads));
+  const Result<Bvh8> top = arena.execute([&] { return collapse_top(binary->structure, options); });
+  if (!top) return top.error();
+  Buffer<Bvh8Instance> instances(to_object.size());
+  for (std::size_t i = 0; i < instances.size(); ++i)
+    instances[i] = {to_object[i], kNoNode, scene.instances()[i].mesh + 1, scene.first_prim(i), 1};
+  Result<TwoLevelBvh8> moved = bvh.with_top(*top, instances);
+  if (!moved) return moved.error();
+
+  const auto seconds = [](Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+  };
+  const auto end = Clock::now();
+  BuildReport report;
+  report.seconds = seconds(start, end);
+  report.phases = {{"instances", seconds(start, built)}, {"collapse", seconds(built, end)}};
+  report.peak_bytes = std::max<std::uint64_t>(
+      binary->report.peak_bytes, collapse_peak_bytes(binary->structure, *top) + instances.size_bytes() + moved->size_bytes());
+  return Built<TwoLevelBvh8>{*std::move(moved), std::move(report)};
 }
 
 }  // namespace
@@ -66,7 +123,16 @@ Result<Built<TwoLevelBvh8>> WideInstances::build(const InstancedMeshes& scene, c
     for (std::size_t i = 1; i < wide->structure.trees.size(); ++i) report.references += wide->structure.trees[i].references;
     return Built<TwoLevelBvh8>{std::move(wide->structure), std::move(report)};
   } catch (const std::bad_alloc&) {
-    return Error{"out of memory while collapsing trees over " + std::to_string(scene.instances().size()) + " instances"};
+    return no_memory(scene, "collapsing trees over");
+  }
+}
+
+Result<Built<TwoLevelBvh8>> move_instances(const TwoLevelBvh8& bvh, const InstancedMeshes& scene, const BuildOptions& options) {
+  if (const Status good = check_meshes(bvh, scene); !good) return good.error();
+  try {
+    return replace_top(bvh, scene, options);
+  } catch (const std::bad_alloc&) {
+    return no_memory(scene, "moving");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "libaccel/build/wide_instances.h"
 #include "libaccel/core/out_of_memory.h"
 
 namespace accel {
@@ -26,6 +27,22 @@ Result<RefittedAccel> refit(const AnyAccel& accel, const TriangleMesh& mesh, con
   return RefittedAccel{*std::move(bound), refitted->costs, refitted->seconds};
 } catch (const std::bad_alloc&) {
   return out_of_memory("refitting a structure");
+}
+
+Result<AnyAccel> move_instances(const AnyAccel& accel, const InstancedMeshes& scene, const BuildOptions& options) try {
+  const auto* const bvh = accel.structure().get_if<TwoLevelBvh8>();
+  if (bvh == nullptr)
+    return Error{"moving instances: a '" + accel.method().structure + "' cannot move them, a '" +
+                 std::string(TwoLevelBvh8::kName) + "' can (" + std::string(WideInstances::kName) + "); rebuild"};
+  Result<Built<TwoLevelBvh8>> moved = accel::move_instances(*bvh, scene, options);
+  if (!moved) return moved.error();
+  BuildReport report = accel.report();
+  report.seconds = moved->report.seconds, report.phases = std::move(moved->report.phases);
+  report.peak_bytes = moved->report.peak_bytes;
+  std::erase_if(report.notes, [](const BuildNote& note) { return note.what == "instances"; });  // how many there were
+  return AnyAccel::bind(std::move(moved->structure), accel.method().name, std::move(report));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("moving instances");
 }
 
 }  // namespace accel

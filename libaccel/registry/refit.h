@@ -1,4 +1,4 @@
-// Moves the triangles of a handle's structure without building it anew: for meshes that deform.
+// Moves what a handle's structure holds without building all of it anew: the triangles of meshes that deform, and instances.
 //
 //   auto frame = AnyAccel::build(mesh, "bvh8-fast/stream");
 //   for (...) {
@@ -6,10 +6,14 @@
 //     frame = moved->costs.after < 1.3 * first_cost ? moved->accel : AnyAccel::build(mesh_of_this_frame, "bvh8-fast/stream");
 //   }
 //
-// The kind that CPUs trace fastest can be refitted, the bvh8; others are rebuilt, and so are scenes whose instances move.
+//   auto world = AnyAccel::build(instances, "bvh8-instances/stream");
+//   for (...) world = move_instances(*world, instances_of_this_frame);
+//
+// The kinds that CPUs trace fastest can do it, the bvh8 and the bvh8-levels; others are rebuilt.
 #pragma once
 
 #include "libaccel/build/refit_wide.h"
+#include "libaccel/geometry/instanced_meshes.h"
 #include "libaccel/registry/any_accel.h"
 
 namespace accel {
@@ -23,5 +27,11 @@ struct RefittedAccel {
 // `mesh` has the same triangles as the one that was built; vertices may be anywhere. An error where a structure of this kind
 // cannot be refitted, where the number of triangles is another, and as build/refit_wide.h says. `accel` stays as it is.
 Result<RefittedAccel> refit(const AnyAccel& accel, const TriangleMesh& mesh, const BuildOptions& options = {});
+
+// The scene's instances in place of those that were built, with the same method: any number of them, of the same meshes, which
+// nobody has changed. Trees over meshes stay as they are; that over instances is built anew, so that rays cost what they cost
+// after a build. An error where a structure of this kind keeps no instances apart, and as build/wide_instances.h says. `accel`
+// stays as it is. Of the report, time, phases and memory are those of the move.
+Result<AnyAccel> move_instances(const AnyAccel& accel, const InstancedMeshes& scene, const BuildOptions& options = {});
 
 }  // namespace accel

@@ -102,6 +102,12 @@ Status validate_instances(const TwoLevelBvh8& bvh, std::uint64_t triangle_count)
   return Done{};
 }
 
+Status check_sizes(std::uint64_t nodes, std::uint64_t blocks, std::uint64_t instances) {
+  if (nodes < kLeafBit && blocks <= kMaxBlocks && instances <= kMostInstances) return Done{};
+  return Error{"the trees have " + std::to_string(nodes) + " nodes, " + std::to_string(blocks) + " blocks of triangles and " +
+               std::to_string(instances) + " instances, more than a reference can name"};
+}
+
 }  // namespace
 
 Bvh8 TwoLevelBvh8::tree(std::size_t i) const {
@@ -138,9 +144,7 @@ Result<TwoLevelBvh8> TwoLevelBvh8::join(const std::vector<Bvh8>& trees, const st
     nodes += t.nodes, blocks += t.blocks;
     result.depth = std::max(result.depth, t.depth);
   }
-  if (nodes >= kLeafBit || blocks > kMaxBlocks || instances.size() > kMostInstances)
-    return Error{"the trees have " + std::to_string(nodes) + " nodes, " + std::to_string(blocks) + " blocks of triangles and " +
-                 std::to_string(instances.size()) + " instances, more than a reference can name"};
+  if (const Status fits = check_sizes(nodes, blocks, instances.size()); !fits) return fits.error();
   result.nodes = Buffer<Bvh8Node>(nodes), result.blocks = Buffer<TriangleBlock>(blocks);
   for (std::size_t i = 1; i < trees.size(); ++i) {
     Bvh8Tree& t = result.trees[i];
@@ -154,31 +158,62 @@ Result<TwoLevelBvh8> TwoLevelBvh8::join(const std::vector<Bvh8>& trees, const st
     }
   }
 
+  result.place_top(trees[0], instances);
+  return result;
+}
+
+Result<TwoLevelBvh8> TwoLevelBvh8::with_top(const Bvh8& top, const Buffer<Bvh8Instance>& with) const {
+  const std::uint64_t before = trees.empty() ? 0 : trees[0].nodes, nodes_of_meshes = nodes.size() - before;
+  if (const Status fits = check_sizes(nodes_of_meshes + top.nodes.size(), blocks.size(), with.size()); !fits)
+    return fits.error();
+  TwoLevelBvh8 result;
+  result.blocks = blocks;
+  result.trees = Buffer<Bvh8Tree>(std::max<std::size_t>(trees.size(), 1));
+  result.trees[0] = {top, 0, top.nodes.size(), 0, 0, 0};
+  result.depth = top.depth;
+
+  const std::uint64_t further = top.nodes.size() - before;  // modulo 2^64, as places are modulo 2^32
+  for (std::size_t i = 1; i < trees.size(); ++i) {
+    Bvh8Tree& t = result.trees[i];
+    t = trees[i];
+    t.first_node += further, t.root = moved(t.root, further, 0);
+    result.depth = std::max(result.depth, t.depth);
+  }
+  result.nodes = Buffer<Bvh8Node>(nodes_of_meshes + top.nodes.size());
+  for (std::size_t n = before; n < nodes.size(); ++n) {
+    Bvh8Node& node = result.nodes[n + further];
+    node = nodes[n];
+    for (NodeRef& child : node.child) child = moved(child, further, 0);
+  }
+  result.place_top(top, with);
+  return result;
+}
+
+void TwoLevelBvh8::place_top(const Bvh8& top, const Buffer<Bvh8Instance>& with) {
   // Runs of instances, in the order in which the tree over them names them.
-  result.instances = Buffer<Bvh8Instance>(trees[0].references);
+  instances = Buffer<Bvh8Instance>(top.references);
   std::uint32_t count = 0;
   const auto add_run = [&](NodeRef leaf) {
     const NodeRef ref = instance_ref(count);
-    const std::uint32_t first = first_block(leaf), end = first + block_count(trees[0].blocks, leaf);
+    const std::uint32_t first = first_block(leaf), end = first + block_count(top.blocks, leaf);
     for (std::uint32_t b = first; b < end; ++b)
-      for (std::uint32_t lane = 0; lane < kBlockLanes && trees[0].blocks[b].has(lane); ++lane) {
-        Bvh8Instance& instance = result.instances[count++];
-        instance = instances[trees[0].blocks[b].prim_id[lane]];
-        instance.root = result.trees[instance.tree].root, instance.ends_leaf = 0;
+      for (std::uint32_t lane = 0; lane < kBlockLanes && top.blocks[b].has(lane); ++lane) {
+        Bvh8Instance& instance = instances[count++];
+        instance = with[top.blocks[b].prim_id[lane]];
+        instance.root = trees[instance.tree].root, instance.ends_leaf = 0;
       }
-    result.instances[count - 1].ends_leaf = 1;
+    instances[count - 1].ends_leaf = 1;
     return ref;
   };
-  Bvh8Tree& top = result.trees[0];
-  if (top.root != kNoNode && is_leaf(top.root)) top.root = add_run(top.root);
-  for (std::size_t n = 0; n < top.nodes; ++n) {
-    result.nodes[n] = trees[0].nodes[n];
-    for (NodeRef& child : result.nodes[n].child)
+  Bvh8Tree& t = trees[0];
+  if (t.root != kNoNode && is_leaf(t.root)) t.root = add_run(t.root);
+  for (std::size_t n = 0; n < t.nodes; ++n) {
+    nodes[n] = top.nodes[n];
+    for (NodeRef& child : nodes[n].child)
       if (is_leaf(child) && child != kNoNode) child = add_run(child);
   }
-  top.triangles = count;
-  result.root = top.root;
-  return result;
+  t.triangles = count;
+  root = t.root;
 }
 
 Status validate(const TwoLevelBvh8& bvh, std::uint64_t triangle_count) {

@@ -96,6 +96,13 @@ struct TwoLevelBvh8 : TwoLevelBvh8Words {
   // Fails when nodes, blocks or instances outgrow the bits of a reference.
   static Result<TwoLevelBvh8> join(const std::vector<Bvh8>& trees, const std::vector<std::uint64_t>& triangles,
                                    const Buffer<Bvh8Instance>& instances);
+
+  // The same trees over meshes below another tree over other instances, as join() takes them; blocks are shared. O(nodes).
+  Result<TwoLevelBvh8> with_top(const Bvh8& top, const Buffer<Bvh8Instance>& instances) const;
+
+ private:
+  // Fills in tree 0 and the instances, where all else is there.
+  void place_top(const Bvh8& top, const Buffer<Bvh8Instance>& with);
 };
 
 // As validate(const Bvh8&, ...); `triangle_count` is the number of prim_ids of the whole scene.

@@ -70,7 +70,7 @@ struct EmbreeWitness::Scene {
   Takes takes;
   EmbreeOptions options;
   std::string isa;
-  double build_seconds = 0;
+  double build_seconds = 0, commit_seconds = 0;
   std::atomic<std::int64_t> bytes{0};
 
   ~Scene() {
@@ -471,7 +471,8 @@ Result<std::unique_ptr<EmbreeWitness::Scene>> EmbreeWitness::start(const EmbreeO
 Result<EmbreeWitness> EmbreeWitness::finish(std::unique_ptr<Scene> owned) {
   const auto before = std::chrono::steady_clock::now();
   rtcCommitScene(owned->scene);
-  owned->build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  owned->commit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  owned->build_seconds += owned->commit_seconds;
   if (rtcGetDeviceError(owned->device) != RTC_ERROR_NONE) return device_error(owned->device, "build the scene");
   return EmbreeWitness(std::move(owned));
 }
@@ -551,6 +552,7 @@ void EmbreeWitness::all_hits(std::span<const Ray> rays, std::span<std::vector<Hi
 }
 
 double EmbreeWitness::build_seconds() const { return scene_->build_seconds; }
+double EmbreeWitness::commit_seconds() const { return scene_->commit_seconds; }
 std::size_t EmbreeWitness::size_bytes() const { return static_cast<std::size_t>(scene_->bytes.load()); }
 const std::string& EmbreeWitness::isa() const { return scene_->isa; }
 const EmbreeOptions& EmbreeWitness::options() const { return scene_->options; }
@@ -587,6 +589,7 @@ Result<double> EmbreeWitness::time_occluded(EmbreeCalls, std::span<const Ray>, s
 }
 void EmbreeWitness::all_hits(std::span<const Ray>, std::span<std::vector<Hit>>, int) const {}
 double EmbreeWitness::build_seconds() const { return 0; }
+double EmbreeWitness::commit_seconds() const { return 0; }
 std::size_t EmbreeWitness::size_bytes() const { return 0; }
 const std::string& EmbreeWitness::isa() const { return kNoIsa; }
 const EmbreeOptions& EmbreeWitness::options() const { return kNoOptions; }

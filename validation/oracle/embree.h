@@ -75,6 +75,7 @@ class EmbreeWitness {
   void all_hits(std::span<const Ray> rays, std::span<std::vector<Hit>> hits, int threads = 0) const;
 
   double build_seconds() const;
+  double commit_seconds() const;  // of them, for the scene itself: of instances, all but their meshes
   std::size_t size_bytes() const;  // what Embree allocated for the scene, the vertex and index copies included
   const std::string& isa() const;  // the pinned instruction set: "avx512", "avx2", "sse4.2"
   const EmbreeOptions& options() const;
