@@ -13,7 +13,7 @@ namespace accel {
 namespace {
 
 // The most boxes of a mesh's tree. In forests, 512 in place of 32 take 1 to 3 % more time to build, and rays gain 0 to 4 % (a
-// million triangles) and 3 to 15 % (ten million).
+// million triangles) and 3 to 6 % (ten million).
 constexpr std::size_t kMostBoxes = 512;
 
 // A build in its parts, whose reports add up.
