@@ -42,12 +42,12 @@ class TableReporter : public benchmark::ConsoleReporter {
 
   // Ratios are to the row `baseline` of a group.
   void print_table(const std::string& baseline) const {
-    std::printf("\n%-40s %-14s %12s %22s %10s\n", "group", "row", "median (ms)", "min ... max (ms)", ("x " + baseline).c_str());
+    std::printf("\n%-40s %-18s %12s %22s %10s\n", "group", "row", "median (ms)", "min ... max (ms)", ("x " + baseline).c_str());
     for (const auto& [group, rows] : groups_) {
       const auto base = rows.find(baseline);
       for (const auto& [row, times] : rows) {
         const auto [least, most] = std::minmax_element(times.seconds.begin(), times.seconds.end());
-        std::printf("%-40s %-14s %12.3f %10.3f ... %7.3f", group.c_str(), row.c_str(), times.median() * 1e3, *least * 1e3,
+        std::printf("%-40s %-18s %12.3f %10.3f ... %7.3f", group.c_str(), row.c_str(), times.median() * 1e3, *least * 1e3,
                     *most * 1e3);
         if (base != rows.end()) std::printf(" %10.3f", base->second.median() / times.median());
         std::printf("\n");

@@ -1,8 +1,10 @@
 #include "libaccel/build/top_level.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -30,8 +32,10 @@ struct WideBox {
   bool empty() const { return !(lo.x <= hi.x); }
 };
 
-// The box that contains the map of a box: per axis, the sums of the smaller and of the larger products.
-WideBox placed_box(const Affine& transform, const Aabb& box) {
+// The box that contains the map of what is in range of a box: per axis, the sums of the smaller and of the larger products.
+WideBox placed_box(const Affine& transform, const Aabb& whole) {
+  constexpr Vec3 kFarthest{kMaxCoordinate, kMaxCoordinate, kMaxCoordinate};
+  const Aabb box{max_of(whole.lo, -kFarthest), min_of(whole.hi, kFarthest)};  // those of files may be infinite
   double lo[3], hi[3];
   for (int a = 0; a < 3; ++a) {
     lo[a] = hi[a] = transform.m[a][3];
@@ -113,6 +117,19 @@ References references_to(const TriangleMesh& mesh) {
 
 }  // namespace
 
+std::size_t boxes_an_instance(const InstancedMeshes& scene, double per_triangle) {
+  double triangles = 0;
+  for (const TriangleMesh& mesh : scene.meshes()) triangles += static_cast<double>(mesh.size());
+  const double boxes = per_triangle * triangles / static_cast<double>(std::max<std::size_t>(scene.instances().size(), 1));
+  return static_cast<std::size_t>(std::clamp(boxes, 32.0, 512.0));
+}
+
+BuildNote instances_note(const InstancedMeshes& scene, std::uint64_t stored_triangles) {
+  return {"instances", std::to_string(scene.instances().size()) + " of " + std::to_string(scene.meshes().size()) +
+                           " meshes: " + std::to_string(stored_triangles) + " triangles are stored, for " +
+                           std::to_string(scene.size()) + " in the scene"};
+}
+
 std::vector<AffineInverse> inverses(std::span<const Instance> instances) {
   std::vector<AffineInverse> result;
   result.reserve(instances.size());
@@ -134,7 +151,9 @@ Result<Built<Bvh2>> build_top_level(const InstancedMeshes& scene, std::span<cons
     const ObjectSplitter splitter(references.storage.data(), context.options);
     return build_bvh2(context, splitter, references);
   });
-  if (built) built->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!built) return built;
+  built->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  built->report.peak_bytes += mesh.size_bytes() + to_object.size_bytes();
   return built;
 }
 

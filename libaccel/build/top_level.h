@@ -26,6 +26,7 @@
 //      structure/padding.h; from farther away only 1. holds, and answers may differ by what rounding excuses.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -39,6 +40,14 @@ namespace accel {
 
 // The inverse of each instance's map. May throw std::bad_alloc.
 std::vector<AffineInverse> inverses(std::span<const Instance> instances);
+
+// How many boxes an instance's box is made of, where all instances together may have so many for each triangle of the meshes:
+// 32 to 512. In forests, 512 in place of 32 save rays up to 6 %; where instances are many and small, they would take longer
+// than all else.
+std::size_t boxes_an_instance(const InstancedMeshes& scene, double per_triangle);
+
+// What a report says of them.
+BuildNote instances_note(const InstancedMeshes& scene, std::uint64_t stored_triangles);
 
 // The boxes of a mesh's tree that a search in breadth has come to before there may be more than `most`: together they contain
 // what a ray can hit of the mesh.

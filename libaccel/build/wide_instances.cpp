@@ -9,6 +9,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "libaccel/build/build_context.h"
 #include "libaccel/build/collapse_wide.h"
 #include "libaccel/build/instances.h"
 #include "libaccel/build/top_level.h"
@@ -57,8 +58,8 @@ Result<Collapsed> collapse(const TwoLevelBvh& binary, const BuildOptions& option
   return Collapsed{*std::move(joined), peak_bytes};
 }
 
-// The most boxes of a mesh's tree for instances that move: those two levels down, for a frame is soon over.
-constexpr std::size_t kMostBoxes = std::size_t{kBvh8Arity} * kBvh8Arity;
+// For each triangle of a mesh, where instances move: a frame is soon over.
+constexpr double kBoxesPerTriangle = 1;
 
 Status check_meshes(const TwoLevelBvh8& bvh, const InstancedMeshes& scene) {
   const std::size_t built = bvh.trees.empty() ? 0 : bvh.trees.size() - 1;
@@ -75,9 +76,10 @@ Status check_meshes(const TwoLevelBvh8& bvh, const InstancedMeshes& scene) {
 Result<Built<TwoLevelBvh8>> replace_top(const TwoLevelBvh8& bvh, const InstancedMeshes& scene, const BuildOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
+  const std::size_t most = boxes_an_instance(scene, kBoxesPerTriangle);
   std::vector<std::vector<Aabb>> boxes;
   for (std::size_t i = 1; i < bvh.trees.size(); ++i)
-    boxes.push_back(boxes_below(bvh.nodes.data(), bvh.trees[i].root, bvh.trees[i].bounds, kMostBoxes));
+    boxes.push_back(boxes_below(bvh.nodes.data(), bvh.trees[i].root, bvh.trees[i].bounds, most));
   const std::vector<AffineInverse> to_object = inverses(scene.instances());
   Result<Built<Bvh2>> binary = build_top_level(scene, to_object, boxes, options);
   if (!binary) return binary.error();
@@ -86,6 +88,7 @@ Result<Built<TwoLevelBvh8>> replace_top(const TwoLevelBvh8& bvh, const Instanced
   tbb::task_arena arena(arena_size(options.threads));
   const Result<Bvh8> top = arena.execute([&] { return collapse_top(binary->structure, options); });
   if (!top) return top.error();
+  const auto collapsed = Clock::now();
   Buffer<Bvh8Instance> instances(to_object.size());
   for (std::size_t i = 0; i < instances.size(); ++i)
     instances[i] = {to_object[i], kNoNode, scene.instances()[i].mesh + 1, scene.first_prim(i), 1};
@@ -98,7 +101,8 @@ Result<Built<TwoLevelBvh8>> replace_top(const TwoLevelBvh8& bvh, const Instanced
   const auto end = Clock::now();
   BuildReport report;
   report.seconds = seconds(start, end);
-  report.phases = {{"instances", seconds(start, built)}, {"collapse", seconds(built, end)}};
+  report.phases = {
+      {"instances", seconds(start, built)}, {"collapse", seconds(built, collapsed)}, {"copy", seconds(collapsed, end)}};
   report.peak_bytes = std::max<std::uint64_t>(
       binary->report.peak_bytes, collapse_peak_bytes(binary->structure, *top) + instances.size_bytes() + moved->size_bytes());
   return Built<TwoLevelBvh8>{*std::move(moved), std::move(report)};
@@ -128,8 +132,9 @@ Result<Built<TwoLevelBvh8>> WideInstances::build(const InstancedMeshes& scene, c
 }
 
 Result<Built<TwoLevelBvh8>> move_instances(const TwoLevelBvh8& bvh, const InstancedMeshes& scene, const BuildOptions& options) {
-  if (const Status good = check_meshes(bvh, scene); !good) return good.error();
   try {
+    if (const Status good = validate(options); !good) return good.error();
+    if (const Status good = check_meshes(bvh, scene); !good) return good.error();
     return replace_top(bvh, scene, options);
   } catch (const std::bad_alloc&) {
     return no_memory(scene, "moving");

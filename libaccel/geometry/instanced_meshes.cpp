@@ -76,25 +76,36 @@ struct InstancedMeshes::Flat {
 
 std::shared_ptr<InstancedMeshes::Flat> InstancedMeshes::make_flat() { return std::make_shared<Flat>(); }
 
-Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances) try {
-  std::vector<Aabb> bounds;
-  for (const TriangleMesh& mesh : meshes) {
-    if (const Status valid = validate(mesh); !valid) return valid.error();
-    bounds.push_back(bounds_of(mesh));
-  }
+Result<InstancedMeshes> InstancedMeshes::place(std::shared_ptr<const Meshes> meshes, std::vector<Instance> instances) {
   auto parts = std::make_shared<Parts>();
   for (std::size_t i = 0; i < instances.size(); ++i) {
     const std::string name = "instance " + std::to_string(i + 1);
-    if (const Status good = check_instance(instances[i], bounds); !good) return Error{name + ": " + good.message()};
+    if (const Status good = check_instance(instances[i], meshes->bounds); !good) return Error{name + ": " + good.message()};
     parts->first_prims.push_back(static_cast<std::uint32_t>(parts->size));
-    parts->size += meshes[instances[i].mesh].size();
+    parts->size += meshes->meshes[instances[i].mesh].size();
     if (parts->size > kNoHit)
       return Error{name + ": its triangles and those before it are more than the 2^32 - 1 that prim_ids can name"};
   }
-  parts->meshes = std::move(meshes), parts->instances = std::move(instances);
+  parts->placed = std::move(meshes), parts->instances = std::move(instances);
   return InstancedMeshes(std::move(parts));
+}
+
+Result<InstancedMeshes> InstancedMeshes::make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances) try {
+  auto checked = std::make_shared<Meshes>();
+  for (const TriangleMesh& mesh : meshes) {
+    if (const Status valid = validate(mesh); !valid) return valid.error();
+    checked->bounds.push_back(bounds_of(mesh));
+  }
+  checked->meshes = std::move(meshes);
+  return place(std::move(checked), std::move(instances));
 } catch (const std::bad_alloc&) {
   return out_of_memory("putting a scene of instances together");
+}
+
+Result<InstancedMeshes> InstancedMeshes::with_instances(std::vector<Instance> instances) const try {
+  return place(state_->placed, std::move(instances));
+} catch (const std::bad_alloc&) {
+  return out_of_memory("placing instances");
 }
 
 std::size_t InstancedMeshes::size_bytes() const {
@@ -121,7 +132,7 @@ InstancedMeshes::Place InstancedMeshes::place_of(std::uint32_t prim_id) const {
 Triangle InstancedMeshes::triangle(std::uint32_t prim_id) const {
   const Place place = place_of(prim_id);
   const Instance& instance = state_->instances[place.instance];
-  const Triangle t = state_->meshes[instance.mesh].triangle(place.triangle);
+  const Triangle t = meshes()[instance.mesh].triangle(place.triangle);
   return {placed(instance.transform, t.v0), placed(instance.transform, t.v1), placed(instance.transform, t.v2)};
 }
 

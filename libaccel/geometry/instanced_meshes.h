@@ -49,7 +49,11 @@ class InstancedMeshes {
   // takes triangles in range out of it; more triangles than numbers.
   static Result<InstancedMeshes> make(std::vector<TriangleMesh> meshes, std::vector<Instance> instances);
 
-  std::span<const TriangleMesh> meshes() const { return state_->meshes; }
+  // The same meshes, placed otherwise: for frames in which instances move, come and go. O(instances), since nobody has changed
+  // the meshes. Errors: of instances, as above.
+  Result<InstancedMeshes> with_instances(std::vector<Instance> instances) const;
+
+  std::span<const TriangleMesh> meshes() const { return state_->placed->meshes; }
   std::span<const Instance> instances() const { return state_->instances; }
   std::uint32_t first_prim(std::size_t instance) const { return state_->first_prims[instance]; }
 
@@ -82,14 +86,19 @@ class InstancedMeshes {
  private:
   struct Flat;
   static std::shared_ptr<Flat> make_flat();
-  struct Parts {
+  struct Meshes {
     std::vector<TriangleMesh> meshes;
+    std::vector<Aabb> bounds;  // of their triangles that are in range
+  };
+  struct Parts {
+    std::shared_ptr<const Meshes> placed = std::make_shared<const Meshes>();
     std::vector<Instance> instances;
     std::vector<std::uint32_t> first_prims;
     std::uint64_t size = 0;
     std::shared_ptr<Flat> flat = make_flat();
   };
   explicit InstancedMeshes(std::shared_ptr<const Parts> state) : state_(std::move(state)) {}
+  static Result<InstancedMeshes> place(std::shared_ptr<const Meshes> meshes, std::vector<Instance> instances);
   std::shared_ptr<const Parts> state_;
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "libaccel/build/top_level.h"
 #include "libaccel/build/wide_instances.h"
 #include "libaccel/core/out_of_memory.h"
 
@@ -39,7 +40,9 @@ Result<AnyAccel> move_instances(const AnyAccel& accel, const InstancedMeshes& sc
   BuildReport report = accel.report();
   report.seconds = moved->report.seconds, report.phases = std::move(moved->report.phases);
   report.peak_bytes = moved->report.peak_bytes;
-  std::erase_if(report.notes, [](const BuildNote& note) { return note.what == "instances"; });  // how many there were
+  const BuildNote placed = instances_note(scene, report.triangles);
+  for (BuildNote& note : report.notes)
+    if (note.what == placed.what) note = placed;
   return AnyAccel::bind(std::move(moved->structure), accel.method().name, std::move(report));
 } catch (const std::bad_alloc&) {
   return out_of_memory("moving instances");

@@ -6,10 +6,15 @@
 //     frame = moved->costs.after < 1.3 * first_cost ? moved->accel : AnyAccel::build(mesh_of_this_frame, "bvh8-fast/stream");
 //   }
 //
-//   auto world = AnyAccel::build(instances, "bvh8-instances/stream");
-//   for (...) world = move_instances(*world, instances_of_this_frame);
+//   auto world = AnyAccel::build(scene, "bvh8-instances/stream");
+//   for (...) {
+//     const auto placed = scene.with_instances(instances_of_this_frame);
+//     if (!placed) ...
+//     world = move_instances(*world, *placed);
+//     if (!world) ...
+//   }
 //
-// The kinds that CPUs trace fastest can do it, the bvh8 and the bvh8-levels; others are rebuilt.
+// The kinds that CPUs trace fastest can do it: triangles move in a bvh8, instances in a bvh8-levels. Others are rebuilt.
 #pragma once
 
 #include "libaccel/build/refit_wide.h"
@@ -29,9 +34,10 @@ struct RefittedAccel {
 Result<RefittedAccel> refit(const AnyAccel& accel, const TriangleMesh& mesh, const BuildOptions& options = {});
 
 // The scene's instances in place of those that were built, with the same method: any number of them, of the same meshes, which
-// nobody has changed. Trees over meshes stay as they are; that over instances is built anew, so that rays cost what they cost
-// after a build. An error where a structure of this kind keeps no instances apart, and as build/wide_instances.h says. `accel`
-// stays as it is. Of the report, time, phases and memory are those of the move.
+// nobody has changed. Trees over meshes stay as they are; that over instances is built anew, so rays cost nearly what they cost
+// after a build. An error for a structure of another kind than bvh8-levels, and as build/wide_instances.h says. `accel` stays
+// as it is. Of the report, time, phases and memory are those of the move. What the first rays with some triangle tests wait for
+// (AnyAccel::accepts()), they wait for once more.
 Result<AnyAccel> move_instances(const AnyAccel& accel, const InstancedMeshes& scene, const BuildOptions& options = {});
 
 }  // namespace accel

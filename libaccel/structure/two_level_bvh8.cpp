@@ -1,6 +1,7 @@
 #include "libaccel/structure/two_level_bvh8.h"
 
 #include <algorithm>
+#include <span>
 #include <string>
 
 namespace accel {
@@ -15,6 +16,15 @@ bool is_block(NodeRef ref) { return is_leaf(ref) && counted_blocks(ref) <= kMost
 NodeRef moved(NodeRef ref, std::uint64_t nodes, std::uint64_t blocks) {
   if (!is_leaf(ref)) return static_cast<NodeRef>(ref + nodes);
   return is_block(ref) ? static_cast<NodeRef>(ref + blocks) : ref;
+}
+
+// Nodes, whose references move by so many places.
+void copy_nodes(std::span<const Bvh8Node> from, std::uint64_t nodes, std::uint64_t blocks, Bvh8Node* to) {
+  for (const Bvh8Node& node : from) {
+    *to = node;
+    for (NodeRef& child : to->child) child = moved(child, nodes, blocks);
+    ++to;
+  }
 }
 
 // Those of a tree, as they count from its own first node and block.
@@ -148,14 +158,9 @@ Result<TwoLevelBvh8> TwoLevelBvh8::join(const std::vector<Bvh8>& trees, const st
   result.nodes = Buffer<Bvh8Node>(nodes), result.blocks = Buffer<TriangleBlock>(blocks);
   for (std::size_t i = 1; i < trees.size(); ++i) {
     Bvh8Tree& t = result.trees[i];
-    const auto to_place = [&](NodeRef ref) { return moved(ref, t.first_node, t.first_block); };
-    t.root = to_place(t.root);
+    t.root = moved(t.root, t.first_node, t.first_block);
     std::copy(trees[i].blocks.begin(), trees[i].blocks.end(), result.blocks.begin() + t.first_block);
-    for (std::size_t n = 0; n < t.nodes; ++n) {
-      Bvh8Node& node = result.nodes[t.first_node + n];
-      node = trees[i].nodes[n];
-      for (NodeRef& child : node.child) child = to_place(child);
-    }
+    copy_nodes(trees[i].nodes.span(), t.first_node, t.first_block, result.nodes.data() + t.first_node);
   }
 
   result.place_top(trees[0], instances);
@@ -180,11 +185,7 @@ Result<TwoLevelBvh8> TwoLevelBvh8::with_top(const Bvh8& top, const Buffer<Bvh8In
     result.depth = std::max(result.depth, t.depth);
   }
   result.nodes = Buffer<Bvh8Node>(nodes_of_meshes + top.nodes.size());
-  for (std::size_t n = before; n < nodes.size(); ++n) {
-    Bvh8Node& node = result.nodes[n + further];
-    node = nodes[n];
-    for (NodeRef& child : node.child) child = moved(child, further, 0);
-  }
+  copy_nodes(nodes.span().subspan(before), further, 0, result.nodes.data() + top.nodes.size());
   result.place_top(top, with);
   return result;
 }

@@ -97,7 +97,8 @@ struct TwoLevelBvh8 : TwoLevelBvh8Words {
   static Result<TwoLevelBvh8> join(const std::vector<Bvh8>& trees, const std::vector<std::uint64_t>& triangles,
                                    const Buffer<Bvh8Instance>& instances);
 
-  // The same trees over meshes below another tree over other instances, as join() takes them; blocks are shared. O(nodes).
+  // The same trees over meshes below another tree over other instances, as join() takes them, each of one of these meshes;
+  // blocks are shared. O(nodes).
   Result<TwoLevelBvh8> with_top(const Bvh8& top, const Buffer<Bvh8Instance>& instances) const;
 
  private:

@@ -70,7 +70,7 @@ struct EmbreeWitness::Scene {
   Takes takes;
   EmbreeOptions options;
   std::string isa;
-  double build_seconds = 0, commit_seconds = 0;
+  double build_seconds = 0;
   std::atomic<std::int64_t> bytes{0};
 
   ~Scene() {
@@ -471,8 +471,7 @@ Result<std::unique_ptr<EmbreeWitness::Scene>> EmbreeWitness::start(const EmbreeO
 Result<EmbreeWitness> EmbreeWitness::finish(std::unique_ptr<Scene> owned) {
   const auto before = std::chrono::steady_clock::now();
   rtcCommitScene(owned->scene);
-  owned->commit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-  owned->build_seconds += owned->commit_seconds;
+  owned->build_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
   if (rtcGetDeviceError(owned->device) != RTC_ERROR_NONE) return device_error(owned->device, "build the scene");
   return EmbreeWitness(std::move(owned));
 }
@@ -506,6 +505,20 @@ Result<EmbreeWitness> EmbreeWitness::build(const InstancedMeshes& instanced, con
     scene.takes.add(*inverse(instance.transform));
   }
   return finish(*std::move(owned));
+}
+
+Status EmbreeWitness::move_instances(std::span<const Instance> instances) {
+  if (instances.size() != scene_->first_prims.size()) return Error{"there are other instances than were built"};
+  scene_->takes = {};
+  for (unsigned i = 0; i < instances.size(); ++i) {
+    const RTCGeometry geometry = rtcGetGeometry(scene_->scene, i);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, &instances[i].transform.m[0][0]);
+    rtcCommitGeometry(geometry);
+    scene_->takes.add(*inverse(instances[i].transform));
+  }
+  rtcCommitScene(scene_->scene);
+  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE) return device_error(scene_->device, "move the instances");
+  return Done{};
 }
 
 void EmbreeWitness::closest(std::span<const Ray> rays, std::span<Hit> hits, int threads) const {
@@ -552,7 +565,6 @@ void EmbreeWitness::all_hits(std::span<const Ray> rays, std::span<std::vector<Hi
 }
 
 double EmbreeWitness::build_seconds() const { return scene_->build_seconds; }
-double EmbreeWitness::commit_seconds() const { return scene_->commit_seconds; }
 std::size_t EmbreeWitness::size_bytes() const { return static_cast<std::size_t>(scene_->bytes.load()); }
 const std::string& EmbreeWitness::isa() const { return scene_->isa; }
 const EmbreeOptions& EmbreeWitness::options() const { return scene_->options; }
@@ -578,6 +590,7 @@ Result<std::unique_ptr<EmbreeWitness::Scene>> EmbreeWitness::start(const EmbreeO
 Result<EmbreeWitness> EmbreeWitness::finish(std::unique_ptr<Scene>) { return start({}).error(); }
 Result<EmbreeWitness> EmbreeWitness::build(const TriangleMesh&, const EmbreeOptions&) { return start({}).error(); }
 Result<EmbreeWitness> EmbreeWitness::build(const InstancedMeshes&, const EmbreeOptions&) { return start({}).error(); }
+Status EmbreeWitness::move_instances(std::span<const Instance>) { return start({}).error(); }
 void EmbreeWitness::closest(std::span<const Ray>, std::span<Hit>, int) const {}
 void EmbreeWitness::occluded(std::span<const Ray>, std::span<std::uint8_t>, int) const {}
 Status EmbreeWitness::can(EmbreeCalls) const { return start({}).error(); }
@@ -589,7 +602,6 @@ Result<double> EmbreeWitness::time_occluded(EmbreeCalls, std::span<const Ray>, s
 }
 void EmbreeWitness::all_hits(std::span<const Ray>, std::span<std::vector<Hit>>, int) const {}
 double EmbreeWitness::build_seconds() const { return 0; }
-double EmbreeWitness::commit_seconds() const { return 0; }
 std::size_t EmbreeWitness::size_bytes() const { return 0; }
 const std::string& EmbreeWitness::isa() const { return kNoIsa; }
 const EmbreeOptions& EmbreeWitness::options() const { return kNoOptions; }

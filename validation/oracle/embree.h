@@ -56,6 +56,9 @@ class EmbreeWitness {
   EmbreeWitness& operator=(EmbreeWitness&&) noexcept;
   ~EmbreeWitness();
 
+  // A scene of instances: as many as were built, each of its mesh, elsewhere.
+  Status move_instances(std::span<const Instance> instances);
+
   // rtcIntersect1 and rtcOccluded1 for each ray; threads as in TraceOptions. u and v follow libaccel's Hit.
   void closest(std::span<const Ray> rays, std::span<Hit> hits, int threads = 0) const;
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded, int threads = 0) const;
@@ -75,7 +78,6 @@ class EmbreeWitness {
   void all_hits(std::span<const Ray> rays, std::span<std::vector<Hit>> hits, int threads = 0) const;
 
   double build_seconds() const;
-  double commit_seconds() const;  // of them, for the scene itself: of instances, all but their meshes
   std::size_t size_bytes() const;  // what Embree allocated for the scene, the vertex and index copies included
   const std::string& isa() const;  // the pinned instruction set: "avx512", "avx2", "sse4.2"
   const EmbreeOptions& options() const;

@@ -70,6 +70,25 @@ TEST(InstancedMeshes, BadInstancesAreNamed) {
   EXPECT_NE(complaint({broken}, {}), "");
 }
 
+TEST(InstancedMeshes, OtherInstancesOfTheSameMeshes) {
+  const TriangleMesh mesh = validation::mesh_of(validation::random_triangles(7, 0.5f, 1));
+  const InstancedMeshes scene = *InstancedMeshes::make({mesh, mesh}, {{0, {}}});
+  const auto placed = scene.with_instances({{1, {}}, {0, placed_by({1, 1, 1}, {0, 0, 1}, 0, {5, 0, 0})}});
+  ASSERT_TRUE(placed) << placed.message();
+  EXPECT_EQ(placed->size(), 14u);
+  EXPECT_EQ(placed->first_prim(1), 7u);
+  EXPECT_EQ(placed->meshes().data(), scene.meshes().data()) << "nothing is copied";
+  EXPECT_EQ(placed->triangle(9).v0, mesh.triangle(2).v0 + Vec3({5, 0, 0}));
+  EXPECT_EQ(scene.size(), 7u);
+  EXPECT_EQ(placed->flattened()->size(), 14u);
+
+  EXPECT_NE(scene.with_instances({{2, {}}}).message().find("instance 1: is of mesh 3"), std::string::npos);
+  Affine singular;
+  singular.m[1][1] = 0;
+  EXPECT_NE(scene.with_instances({{0, {}}, {0, singular}}).message().find("instance 2: its transform"), std::string::npos);
+  EXPECT_EQ(InstancedMeshes().with_instances({})->size(), 0u);
+}
+
 TEST(InstancedMeshes, FlattenedIsTriangleByTriangle) {
   for (const auto& s : validation::instanced_scenes()) {
     const auto flat = s.scene.flattened();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include "libaccel/rays/ray_sets.h"
 #include "scenes/procedural.h"
 #include "validation/stress/stress_rays.h"
+#include "validation/stress/stress_scenes.h"
 
 namespace accel::validation {
 namespace {
@@ -130,6 +132,29 @@ TEST_P(EmbreeCallsTest, NamesTrianglesOfInstances) {
 }
 
 // Rays in range of the world that a small instance's map takes out of it: Embree's assertions again.
+TEST(EmbreeWitness, InstancesThatMoveAreThereAndNoLongerHere) {
+  if (!EmbreeWitness::available()) GTEST_SKIP();
+  const TriangleMesh mesh = mesh_of(random_triangles(50, 0.5f, 1));
+  const std::vector<Instance> there = {{0, placed_by({1, 1, 1}, {0, 0, 1}, 0, {40, 0, 0})}};
+  const InstancedMeshes scene = *InstancedMeshes::make({mesh}, {{0, {}}});
+  auto embree = EmbreeWitness::build(scene);
+  const auto built = EmbreeWitness::build(*scene.with_instances(there));
+  ASSERT_TRUE(embree && built);
+  ASSERT_TRUE(embree->move_instances(there));
+  std::vector<Ray> rays = random_batch(mesh, 200);
+  std::vector<Hit> here(200), moved(200), expected(200);
+  embree->closest(rays, here);
+  for (Ray& ray : rays) ray.org.x += 40;
+  embree->closest(rays, moved), built->closest(rays, expected);
+  EXPECT_TRUE(std::any_of(moved.begin(), moved.end(), [](const Hit& hit) { return hit.valid(); }));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(moved[i].prim_id, expected[i].prim_id);
+    EXPECT_EQ(moved[i].t, expected[i].t);
+    EXPECT_FALSE(here[i].valid() && here[i].t < 20);
+  }
+  EXPECT_FALSE(embree->move_instances({}));
+}
+
 TEST_P(EmbreeCallsTest, RaysThatLeaveTheRangeInAnInstanceMiss) {
   const TriangleMesh mesh = scene_mesh();
   Affine tiny;

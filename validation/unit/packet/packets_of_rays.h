@@ -13,6 +13,7 @@
 #include "libaccel/packet/frustum_trees.h"
 #include "libaccel/rays/camera.h"
 #include "libaccel/rays/ray_sets.h"
+#include "libaccel/rays/surface_hits.h"
 #include "libaccel/structure/bvh2.h"
 #include "validation/stress/stress_rays.h"
 #include "validation/stress/stress_scenes.h"
@@ -40,7 +41,24 @@ inline std::vector<Ray> rays_of_pinholes(const TriangleMesh& mesh, const Aabb& b
   return rays;
 }
 
-// Packets of rays of one face each: bundles from a small box through another one, pinholes, and rays that hurt, sorted by face.
+// Rays to one point each 90, from vertices and the middles of edges, as shadow rays go to a light: within the scene, at a
+// vertex, far outside; and some that go on beyond it.
+inline std::vector<Ray> rays_to_lights(const TriangleMesh& mesh, const Aabb& bounds) {
+  std::vector<Ray> rays;
+  if (mesh.size() == 0) return rays;
+  const Vec3 center = bounds.center(), outside = bounds.hi + bounds.extent() * 3.0f;
+  for (const Vec3 light : {center, mesh.triangle(0).v0, outside, center})
+    for (std::size_t i = 0; i < 90; ++i) {
+      const Triangle triangle = mesh.triangle(7 * i % mesh.size());
+      const Vec3 from = i % 3 == 0 ? triangle.v0 : triangle.v0 + (triangle.v2 - triangle.v0) * 0.5f;
+      rays.push_back(ray_to(from, Vec3d(light)));
+      if (rays.size() > 270 && i % 5 == 0) rays.back().t_max *= 1.5f;
+    }
+  return rays;
+}
+
+// Packets of rays of one face each: bundles from a small box through another one, pinholes, rays to lights, and rays that hurt,
+// sorted by face.
 inline std::vector<std::vector<Ray>> packets_for(const TriangleMesh& mesh, const Aabb& bounds, std::uint64_t seed) {
   std::vector<std::vector<Ray>> packets;
   CounterRng rng(seed, 0);
@@ -65,6 +83,8 @@ inline std::vector<std::vector<Ray>> packets_for(const TriangleMesh& mesh, const
     }
   const auto pinholes = rays_of_pinholes(mesh, bounds);
   rays.insert(rays.end(), pinholes.begin(), pinholes.end());
+  const auto to_lights = rays_to_lights(mesh, bounds);
+  rays.insert(rays.end(), to_lights.begin(), to_lights.end());
   const auto hostile = validation::stress_rays(mesh, 300, seed);
   rays.insert(rays.end(), hostile.begin(), hostile.end());
   for (std::size_t first = 0; first < rays.size(); first += 90) {
