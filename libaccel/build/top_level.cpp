@@ -32,10 +32,8 @@ struct WideBox {
   bool empty() const { return !(lo.x <= hi.x); }
 };
 
-// The box that contains the map of what is in range of a box: per axis, the sums of the smaller and of the larger products.
-WideBox placed_box(const Affine& transform, const Aabb& whole) {
-  constexpr Vec3 kFarthest{kMaxCoordinate, kMaxCoordinate, kMaxCoordinate};
-  const Aabb box{max_of(whole.lo, -kFarthest), min_of(whole.hi, kFarthest)};  // those of files may be infinite
+// The box that contains the map of a box: per axis, the sums of the smaller and of the larger products.
+WideBox placed_box(const Affine& transform, const Aabb& box) {
   double lo[3], hi[3];
   for (int a = 0; a < 3; ++a) {
     lo[a] = hi[a] = transform.m[a][3];

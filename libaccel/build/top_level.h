@@ -50,7 +50,7 @@ std::size_t boxes_an_instance(const InstancedMeshes& scene, double per_triangle)
 BuildNote instances_note(const InstancedMeshes& scene, std::uint64_t stored_triangles);
 
 // The boxes of a mesh's tree that a search in breadth has come to before there may be more than `most`: together they contain
-// what a ray can hit of the mesh.
+// what a ray can hit of the mesh. Finite, also where those of a file are not.
 template <class Node>
 std::vector<Aabb> boxes_below(const Node* nodes, NodeRef root, const Aabb& bounds, std::size_t most) {
   constexpr std::size_t kArity = std::extent_v<decltype(Node::child)>;
@@ -74,8 +74,9 @@ std::vector<Aabb> boxes_below(const Node* nodes, NodeRef root, const Aabb& bound
     grows = next.size() > entries.size();
     entries = std::move(next);
   }
+  constexpr Vec3 kFarthest{kMaxCoordinate, kMaxCoordinate, kMaxCoordinate};
   std::vector<Aabb> boxes;
-  for (const Entry& entry : entries) boxes.push_back(entry.box);
+  for (const Entry& entry : entries) boxes.push_back(intersection(entry.box, {-kFarthest, kFarthest}));
   return boxes;
 }
 

@@ -77,14 +77,15 @@ struct InstancedMeshes::Flat {
 std::shared_ptr<InstancedMeshes::Flat> InstancedMeshes::make_flat() { return std::make_shared<Flat>(); }
 
 Result<InstancedMeshes> InstancedMeshes::place(std::shared_ptr<const Meshes> meshes, std::vector<Instance> instances) {
+  const auto name = [](std::size_t i) { return "instance " + std::to_string(i + 1); };
   auto parts = std::make_shared<Parts>();
+  parts->first_prims.reserve(instances.size());
   for (std::size_t i = 0; i < instances.size(); ++i) {
-    const std::string name = "instance " + std::to_string(i + 1);
-    if (const Status good = check_instance(instances[i], meshes->bounds); !good) return Error{name + ": " + good.message()};
+    if (const Status good = check_instance(instances[i], meshes->bounds); !good) return Error{name(i) + ": " + good.message()};
     parts->first_prims.push_back(static_cast<std::uint32_t>(parts->size));
     parts->size += meshes->meshes[instances[i].mesh].size();
     if (parts->size > kNoHit)
-      return Error{name + ": its triangles and those before it are more than the 2^32 - 1 that prim_ids can name"};
+      return Error{name(i) + ": its triangles and those before it are more than the 2^32 - 1 that prim_ids can name"};
   }
   parts->placed = std::move(meshes), parts->instances = std::move(instances);
   return InstancedMeshes(std::move(parts));

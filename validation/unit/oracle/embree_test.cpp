@@ -131,7 +131,6 @@ TEST_P(EmbreeCallsTest, NamesTrianglesOfInstances) {
   expect_as_single(*embree, random_batch(*mesh, 5000));
 }
 
-// Rays in range of the world that a small instance's map takes out of it: Embree's assertions again.
 TEST(EmbreeWitness, InstancesThatMoveAreThereAndNoLongerHere) {
   if (!EmbreeWitness::available()) GTEST_SKIP();
   const TriangleMesh mesh = mesh_of(random_triangles(50, 0.5f, 1));
@@ -155,6 +154,7 @@ TEST(EmbreeWitness, InstancesThatMoveAreThereAndNoLongerHere) {
   EXPECT_FALSE(embree->move_instances({}));
 }
 
+// Rays in range of the world that a small instance's map takes out of it: Embree's assertions again.
 TEST_P(EmbreeCallsTest, RaysThatLeaveTheRangeInAnInstanceMiss) {
   const TriangleMesh mesh = scene_mesh();
   Affine tiny;
